@@ -15,16 +15,16 @@ namespace {
 
 int byte_of(float channel) { return static_cast<int>(std::lround(255.0F * std::clamp(channel, 0.0F, 1.0F))); }
 
-std::uint8_t nearest(const std::uint8_t *rgb, std::span<const BiomeColor> colors) {
+std::uint8_t nearest_biome(const std::uint8_t *rgb, std::span<const BiomeColor> colors) {
 	std::uint8_t result = no_biome;
 	int min_difference = std::numeric_limits<int>::max();
 	for (const BiomeColor &color : colors) {
 		const int red = rgb[0] - color.red;
 		const int green = rgb[1] - color.green;
 		const int blue = rgb[2] - color.blue;
-		const int squared = red * red + green * green + blue * blue;
-		if (squared < min_difference) {
-			min_difference = squared;
+		const int difference = red * red + green * green + blue * blue;
+		if (difference < min_difference) {
+			min_difference = difference;
 			result = color.index;
 		}
 	}
@@ -58,21 +58,21 @@ ColorPixels color_pixels(const Ref<Image> &p_image) {
 
 std::vector<std::uint8_t> biomes_of(
 		const ColorPixels &pixels, BiomePixels mode, std::span<const BiomeColor> colors, std::size_t count) {
-	constexpr std::uint8_t half = 128;
+	constexpr std::uint8_t min_alpha = 128;
 	std::vector<std::uint8_t> result(static_cast<std::size_t>(pixels.size.x) * static_cast<std::size_t>(pixels.size.y));
 	const std::uint8_t *pixel = pixels.bytes.ptr();
-	const std::uint8_t *known = nullptr;
-	std::uint8_t known_biome = no_biome;
+	const std::uint8_t *previous_pixel = nullptr;
+	std::uint8_t previous_biome = no_biome;
 	for (std::uint8_t &biome : result) {
 		if (mode == BiomePixels::indices) {
 			biome = *pixel < count ? *pixel : no_biome;
-		} else if (known != nullptr && std::equal(pixel, pixel + 4, known)) {
-			// Adjacent pixels usually have the same color, so the last result is reused.
-			biome = known_biome;
+		} else if (previous_pixel != nullptr && std::equal(pixel, pixel + 4, previous_pixel)) {
+			// Adjacent pixels usually have the same color, so the previous result is reused.
+			biome = previous_biome;
 		} else {
-			biome = pixel[3] < half ? no_biome : nearest(pixel, colors);
-			known = pixel;
-			known_biome = biome;
+			biome = pixel[3] < min_alpha ? no_biome : nearest_biome(pixel, colors);
+			previous_pixel = pixel;
+			previous_biome = biome;
 		}
 		pixel += 4;
 	}

@@ -22,7 +22,7 @@ class ScatterBiome : public godot::Resource, public ThreadGuarded {
 public:
 	static constexpr const char *class_name = "ScatterBiome";
 
-	/// Where the biome's water level comes from.
+	/// The source of the biome's water level.
 	enum WaterMode : std::int64_t {
 		WATER_MODE_INHERIT, ///< The node's water level, if it has water.
 		WATER_MODE_OWN,     ///< The biome's `water_level`.

@@ -27,11 +27,11 @@ Status make_uniform(std::uint8_t biome, BiomeMap &r_map) {
 }
 
 bool is_in(const Ref<ScatterLayer> &p_layer, const TypedArray<ScatterLayer> &p_layers) {
-	bool found = false;
-	for (int64_t index = 0; index < p_layers.size() && !found; ++index) {
-		found = Ref<ScatterLayer>(p_layers[index]) == p_layer;
+	bool is_listed = false;
+	for (int64_t index = 0; index < p_layers.size() && !is_listed; ++index) {
+		is_listed = Ref<ScatterLayer>(p_layers[index]) == p_layer;
 	}
-	return found;
+	return is_listed;
 }
 
 } // namespace
@@ -61,13 +61,13 @@ void ScatterBiomeMap::set_map_image(const Ref<Resource> &p_image) {
 void ScatterBiomeMap::set_map_rect(const Rect2 &p_rect) {
 	constexpr double limit = 1e9;
 	constexpr double min_side = 1e-3;
-	for (const real_t number : {p_rect.position.x, p_rect.position.y}) {
-		if (!accept_number(class_name, "map_rect", number, -limit, limit)) {
+	for (const real_t coordinate : {p_rect.position.x, p_rect.position.y}) {
+		if (!accept_number(class_name, "map_rect", coordinate, -limit, limit)) {
 			return;
 		}
 	}
-	for (const real_t number : {p_rect.size.x, p_rect.size.y}) {
-		if (!accept_number(class_name, "map_rect", number, min_side, limit)) {
+	for (const real_t side : {p_rect.size.x, p_rect.size.y}) {
+		if (!accept_number(class_name, "map_rect", side, min_side, limit)) {
 			return;
 		}
 	}
@@ -91,9 +91,9 @@ void ScatterBiomeMap::set_map_edge(MapEdge p_edge) {
 	}
 }
 
-void ScatterBiomeMap::set_border(const char *p_name, double BiomeBorders::*number, double p_value) {
+void ScatterBiomeMap::set_border(const char *p_name, double BiomeBorders::*p_member, double p_value) {
 	BiomeBorders next = borders_;
-	next.*number = p_value;
+	next.*p_member = p_value;
 	const Status status = validate(next);
 	report(class_name, status.ok() ? status : Status{status.code, p_name, p_value});
 	if (status.ok() && !(next == borders_)) {
@@ -109,44 +109,44 @@ void ScatterBiomeMap::set_border_seed(int64_t p_seed) {
 }
 
 void ScatterBiomeMap::image_changed() {
-	pixels_unread_ = true;
+	must_read_pixels_ = true;
 	mark_outdated();
 }
 
 void ScatterBiomeMap::mark_outdated() {
-	outdated_ = true;
+	is_outdated_ = true;
 	watch_biomes(false);
-	seen_.clear();
+	watched_biomes_.clear();
 	for (int64_t index = 0; index < biomes_.size(); ++index) {
-		seen_.push_back(read_biome(biomes_[index]));
+		watched_biomes_.push_back(read_biome(biomes_[index]));
 	}
 	watch_biomes(true);
 	emit_changed();
 }
 
-ScatterBiomeMap::Seen ScatterBiomeMap::read_biome(const Variant &p_biome) {
-	Seen seen{p_biome, {}};
-	if (seen.biome.is_valid()) {
-		const TypedArray<ScatterLayer> layers = seen.biome->get_layers();
+ScatterBiomeMap::WatchedBiome ScatterBiomeMap::read_biome(const Variant &p_biome) {
+	WatchedBiome watched{p_biome, {}};
+	if (watched.biome.is_valid()) {
+		const TypedArray<ScatterLayer> layers = watched.biome->get_layers();
 		for (int64_t index = 0; index < layers.size(); ++index) {
-			seen.layers.emplace_back(layers[index]);
+			watched.layers.emplace_back(layers[index]);
 		}
 	}
-	return seen;
+	return watched;
 }
 
 void ScatterBiomeMap::watch_biomes(bool p_watch) {
-	for (const Seen &seen : seen_) {
-		watch(seen.biome.ptr(), "changed", this, "_outdate", p_watch);
+	for (const WatchedBiome &watched : watched_biomes_) {
+		watch(watched.biome.ptr(), "changed", this, "_outdate", p_watch);
 	}
 }
 
 bool ScatterBiomeMap::differs() const {
-	bool same = static_cast<std::size_t>(biomes_.size()) == seen_.size();
-	for (std::size_t index = 0; same && index < seen_.size(); ++index) {
-		same = seen_[index] == read_biome(biomes_[static_cast<int64_t>(index)]);
+	bool is_same = static_cast<std::size_t>(biomes_.size()) == watched_biomes_.size();
+	for (std::size_t index = 0; is_same && index < watched_biomes_.size(); ++index) {
+		is_same = watched_biomes_[index] == read_biome(biomes_[static_cast<int64_t>(index)]);
 	}
-	return !same;
+	return !is_same;
 }
 
 void ScatterBiomeMap::detect_changes() {
@@ -167,8 +167,8 @@ const ScatterBiome *ScatterBiomeMap::biome(std::size_t index) const {
 std::vector<BiomeColor> ScatterBiomeMap::colors() const {
 	std::vector<BiomeColor> result;
 	for (std::size_t index = 0; index < biome_count(); ++index) {
-		if (const ScatterBiome *here = biome(index)) {
-			result.push_back(biome_color(static_cast<std::uint8_t>(index), here->get_color()));
+		if (const ScatterBiome *entry = biome(index)) {
+			result.push_back(biome_color(static_cast<std::uint8_t>(index), entry->get_color()));
 		}
 	}
 	return result;
@@ -178,7 +178,7 @@ Status ScatterBiomeMap::make(BiomeMap &r_map) {
 	if (image_.is_null()) {
 		return make_uniform(biome_count() > 0 ? 0 : no_biome, r_map);
 	}
-	if (std::exchange(pixels_unread_, false)) {
+	if (std::exchange(must_read_pixels_, false)) {
 		pixels_ = color_pixels(image_of(image_));
 	}
 	if (pixels_.size.x == 0) {
@@ -197,20 +197,20 @@ Status ScatterBiomeMap::make(BiomeMap &r_map) {
 }
 
 void ScatterBiomeMap::refresh() {
-	if (!std::exchange(outdated_, false)) {
+	if (!std::exchange(is_outdated_, false)) {
 		// The map is up to date.
 		return;
 	}
-	const auto next = std::make_shared<BiomeMap>();
-	status_ = make(*next);
-	if (status_.ok() && !(*next == *map_)) {
-		map_ = next;
+	const auto new_map = std::make_shared<BiomeMap>();
+	status_ = make(*new_map);
+	if (status_.ok() && !(*new_map == *map_)) {
+		map_ = new_map;
 	}
-	const String complaint = status_.ok() ? String() : sentence(class_name, status_);
-	if (!complaint.is_empty() && !(complaint == complaint_)) {
-		ERR_PRINT(complaint);
+	const String error = status_.ok() ? String() : sentence(class_name, status_);
+	if (!error.is_empty() && !(error == last_error_)) {
+		ERR_PRINT(error);
 	}
-	complaint_ = complaint;
+	last_error_ = error;
 }
 
 const std::shared_ptr<const BiomeMap> &ScatterBiomeMap::map() {
@@ -221,8 +221,8 @@ const std::shared_ptr<const BiomeMap> &ScatterBiomeMap::map() {
 PerBiome<float> ScatterBiomeMap::densities_of(const Ref<ScatterLayer> &p_layer) const {
 	PerBiome<float> result{};
 	for (std::size_t index = 0; index < biome_count(); ++index) {
-		if (const ScatterBiome *here = biome(index); here != nullptr && is_in(p_layer, here->get_layers())) {
-			result[index] = static_cast<float>(here->get_density());
+		if (const ScatterBiome *entry = biome(index); entry != nullptr && is_in(p_layer, entry->get_layers())) {
+			result[index] = static_cast<float>(entry->get_density());
 		}
 	}
 	return result;
@@ -232,10 +232,10 @@ PerBiome<float> ScatterBiomeMap::weights_for(const WorldInput &input) const {
 	PerBiome<float> result{};
 	const String name = String::utf8(input.name.c_str());
 	for (std::size_t index = 0; index < biome_count(); ++index) {
-		const ScatterBiome *here = biome(index);
-		const bool is_meant = input.name.empty() ? index == static_cast<std::size_t>(input.number)
-												 : here != nullptr && here->get_name() == name;
-		result[index] = is_meant ? 1.0F : 0.0F;
+		const ScatterBiome *entry = biome(index);
+		const bool is_match = input.name.empty() ? index == static_cast<std::size_t>(input.number)
+												 : entry != nullptr && entry->get_name() == name;
+		result[index] = is_match ? 1.0F : 0.0F;
 	}
 	return result;
 }
@@ -244,9 +244,10 @@ PerBiome<double> ScatterBiomeMap::water_levels(double node_level) const {
 	PerBiome<double> result{};
 	result.fill(node_level);
 	for (std::size_t index = 0; index < biome_count(); ++index) {
-		const ScatterBiome *here = biome(index);
-		if (here != nullptr && here->get_water_mode() != ScatterBiome::WATER_MODE_INHERIT) {
-			result[index] = here->get_water_mode() == ScatterBiome::WATER_MODE_OWN ? here->get_water_level() : no_water;
+		const ScatterBiome *entry = biome(index);
+		if (entry != nullptr && entry->get_water_mode() != ScatterBiome::WATER_MODE_INHERIT) {
+			result[index] =
+					entry->get_water_mode() == ScatterBiome::WATER_MODE_OWN ? entry->get_water_level() : no_water;
 		}
 	}
 	return result;
@@ -275,33 +276,35 @@ PackedFloat32Array ScatterBiomeMap::weights_of(const BiomeTaps &taps) const {
 }
 
 bool ScatterBiomeMap::has_own_water() const {
-	bool found = false;
-	for (std::size_t index = 0; index < biome_count() && !found; ++index) {
-		const ScatterBiome *here = biome(index);
-		found = here != nullptr && here->get_water_mode() == ScatterBiome::WATER_MODE_OWN;
+	bool has_water = false;
+	for (std::size_t index = 0; index < biome_count() && !has_water; ++index) {
+		const ScatterBiome *entry = biome(index);
+		has_water = entry != nullptr && entry->get_water_mode() == ScatterBiome::WATER_MODE_OWN;
 	}
-	return found;
+	return has_water;
 }
 
 void ScatterBiomeMap::add_color_problems(PackedStringArray &r_problems) const {
-	const std::vector<BiomeColor> known = colors();
-	for (const BiomeColor &here : known) {
-		const auto first = std::ranges::find_if(known, [&here](const BiomeColor &other) {
-			return other.red == here.red && other.green == here.green && other.blue == here.blue;
+	const std::vector<BiomeColor> biome_colors = colors();
+	for (const BiomeColor &color : biome_colors) {
+		const auto first = std::ranges::find_if(biome_colors, [&color](const BiomeColor &other) {
+			return other.red == color.red && other.green == color.green && other.blue == color.blue;
 		});
-		if (first->index != here.index) {
+		if (first->index != color.index) {
 			r_problems.push_back(
 					vformat("ScatterBiomeMap.biomes[%d] has no area: biomes[%d] has the same color. Change one color.",
-							static_cast<int64_t>(here.index), static_cast<int64_t>(first->index)));
+							static_cast<int64_t>(color.index), static_cast<int64_t>(first->index)));
 		}
 	}
 }
 
-void ScatterBiomeMap::add_layer_problems(const TypedArray<ScatterLayer> &p_own, PackedStringArray &r_problems) const {
-	for (int64_t index = 0; index < p_own.size(); ++index) {
-		const Ref<ScatterLayer> layer = p_own[index];
+void ScatterBiomeMap::add_layer_problems(
+		const TypedArray<ScatterLayer> &p_node_layers, PackedStringArray &r_problems) const {
+	for (int64_t index = 0; index < p_node_layers.size(); ++index) {
+		const Ref<ScatterLayer> layer = p_node_layers[index];
 		bool in_biome = false;
-		each_layers([&](const TypedArray<ScatterLayer> &p_layers) { in_biome = in_biome || is_in(layer, p_layers); });
+		for_each_layer_list(
+				[&](const TypedArray<ScatterLayer> &p_layers) { in_biome = in_biome || is_in(layer, p_layers); });
 		if (layer.is_valid() && in_biome) {
 			r_problems.push_back(vformat(
 					"Layer %d is also in a biome, but is placed everywhere. Remove it from one of the two lists.",
@@ -310,7 +313,7 @@ void ScatterBiomeMap::add_layer_problems(const TypedArray<ScatterLayer> &p_own, 
 	}
 }
 
-PackedStringArray ScatterBiomeMap::problems(const TypedArray<ScatterLayer> &p_own) {
+PackedStringArray ScatterBiomeMap::problems(const TypedArray<ScatterLayer> &p_node_layers) {
 	refresh();
 	PackedStringArray result;
 	if (biomes_.is_empty()) {
@@ -321,20 +324,20 @@ PackedStringArray ScatterBiomeMap::problems(const TypedArray<ScatterLayer> &p_ow
 				"ScatterBiomeMap.biomes has %d entries, of which only the first %d are used. Remove the others.",
 				biomes_.size(), static_cast<int64_t>(max_biomes)));
 	}
-	const bool given = image_.is_valid();
-	if (!complaint_.is_empty()) {
-		result.push_back(complaint_);
-	} else if (const String stripped = stripped_problem(); !stripped.is_empty()) {
-		result.push_back(stripped);
-	} else if (given && pixels_.size.x == 0) {
+	const bool has_image = image_.is_valid();
+	if (!last_error_.is_empty()) {
+		result.push_back(last_error_);
+	} else if (const String stripped_warning = stripped_problem(); !stripped_warning.is_empty()) {
+		result.push_back(stripped_warning);
+	} else if (has_image && pixels_.size.x == 0) {
 		result.push_back("ScatterBiomeMap.map_image is empty: set an image that has pixels.");
-	} else if (!given && biomes_.size() > 1) {
+	} else if (!has_image && biomes_.size() > 1) {
 		result.push_back("ScatterBiomeMap.map_image is not set, so the first biome is everywhere. Set an image.");
 	}
-	if (given && mode_ == BiomePixels::colors) {
+	if (has_image && mode_ == BiomePixels::colors) {
 		add_color_problems(result);
 	}
-	add_layer_problems(p_own, result);
+	add_layer_problems(p_node_layers, result);
 	return result;
 }
 

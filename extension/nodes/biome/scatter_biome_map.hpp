@@ -101,12 +101,12 @@ public:
 	godot::PackedInt32Array planet_disc(double p_planet_radius, const godot::Vector3 &p_from_center, double p_radius,
 			const godot::Vector2i &p_size) const;
 
-	/// Calls `take` with the array of layers of each biome.
+	/// Calls `visit` with the array of layers of each biome.
 	template <class Take>
-	void each_layers(const Take &take) const {
+	void for_each_layer_list(const Take &visit) const {
 		for (std::size_t index = 0; index < biome_count(); ++index) {
-			if (const ScatterBiome *here = biome(index)) {
-				take(here->get_layers());
+			if (const ScatterBiome *entry = biome(index)) {
+				visit(entry->get_layers());
 			}
 		}
 	}
@@ -130,8 +130,8 @@ public:
 	/// layer.
 	PerBiome<float> densities_of(const godot::Ref<ScatterLayer> &p_layer) const;
 
-	/// Returns 1 for each biome that an input of an expression means, by its name or its index, and 0
-	/// for the others.
+	/// Returns 1 for each biome that an input of an expression refers to, by its name or its index,
+	/// and 0 for the others.
 	PerBiome<float> weights_for(const WorldInput &input) const;
 
 	/// Returns the water level in each biome, in world meters or no_water. `node_level` is the
@@ -145,41 +145,42 @@ public:
 	/// empty string.
 	godot::String stripped_problem() const;
 
-	/// Returns a message for each likely mistake, for the editor's warnings. `p_own` contains the
-	/// layers of the node's list.
-	godot::PackedStringArray problems(const godot::TypedArray<ScatterLayer> &p_own);
+	/// Returns a message for each likely mistake, for the editor's warnings. `p_node_layers`
+	/// contains the layers of the node's list.
+	godot::PackedStringArray problems(const godot::TypedArray<ScatterLayer> &p_node_layers);
 
 protected:
 	static void _bind_methods();
 
 private:
 	/// A biome and its layers when they were last read.
-	struct Seen {
+	struct WatchedBiome {
 		godot::Ref<ScatterBiome> biome;
 		std::vector<godot::Ref<ScatterLayer>> layers;
 
-		friend bool operator==(const Seen &, const Seen &) = default;
+		friend bool operator==(const WatchedBiome &, const WatchedBiome &) = default;
 	};
 
 	static void bind_map();
 	static void bind_planets();
 	godot::PackedFloat32Array weights_of(const BiomeTaps &taps) const;
 	static void bind_borders();
-	static Seen read_biome(const godot::Variant &p_biome);
-	void set_border(const char *p_name, double BiomeBorders::*number, double p_value);
+	static WatchedBiome read_biome(const godot::Variant &p_biome);
+	void set_border(const char *p_name, double BiomeBorders::*p_member, double p_value);
 	void watch_biomes(bool p_watch);
 	void mark_outdated();
 	void image_changed();
 	void refresh();
 	void add_color_problems(godot::PackedStringArray &r_problems) const;
-	void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_own, godot::PackedStringArray &r_problems) const;
+	void add_layer_problems(
+			const godot::TypedArray<ScatterLayer> &p_node_layers, godot::PackedStringArray &r_problems) const;
 	Status make(BiomeMap &r_map);
 	std::vector<BiomeColor> colors() const;
 	const ScatterBiome *biome(std::size_t index) const;
 	std::size_t biome_count() const;
 
 	godot::TypedArray<ScatterBiome> biomes_;
-	std::vector<Seen> seen_;
+	std::vector<WatchedBiome> watched_biomes_;
 	godot::Ref<godot::Resource> image_; ///< An Image or a Texture2D.
 	godot::Rect2 rect_{0.0F, 0.0F, 1000.0F, 1000.0F};
 	BiomePixels mode_ = BiomePixels::colors;
@@ -190,10 +191,10 @@ private:
 	ColorPixels pixels_; ///< The pixels of the image when it was last read.
 	/// True if `pixels_` may be outdated. Avoids rereading, because reading back a texture stalls
 	/// the renderer.
-	bool pixels_unread_ = true;
-	bool outdated_ = true;    ///< True if `map_` does not match the properties.
-	Status status_;           ///< The result of building the map from the current properties.
-	godot::String complaint_; ///< The last printed error; empty after a success.
+	bool must_read_pixels_ = true;
+	bool is_outdated_ = true;  ///< True if `map_` does not match the properties.
+	Status status_;            ///< The result of building the map from the current properties.
+	godot::String last_error_; ///< The last printed error; empty after a success.
 };
 
 } // namespace thicket

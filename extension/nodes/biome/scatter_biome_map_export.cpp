@@ -19,11 +19,11 @@ String ScatterBiomeMap::stripped_problem() const {
 bool ScatterBiomeMap::embed_stripped_data() {
 	const Ref<Texture2D> texture = image_;
 	const Ref<Image> image = texture.is_valid() ? texture->get_image() : Ref<Image>();
-	const bool any = has_content(image);
-	if (any) {
+	const bool has_pixels = has_content(image);
+	if (has_pixels) {
 		set_map_image(image);
 	}
-	return any;
+	return has_pixels;
 }
 
 } // namespace thicket

@@ -61,8 +61,8 @@ bool is_finite(const Transform3D &p_transform) {
 glm::dvec3 to_world(const Vector3 &p_position, const WorldFrame &frame) { return frame.to_world(to_core(p_position)); }
 
 Rect to_world(const Rect2 &p_rect, const WorldFrame &frame) {
-	const glm::dvec2 moved = frame.local ? glm::dvec2(0.0) : glm::dvec2(frame.offset.x, frame.offset.z);
-	const glm::dvec2 corner = to_core(p_rect.position) + moved;
+	const glm::dvec2 offset = frame.local ? glm::dvec2(0.0) : glm::dvec2(frame.offset.x, frame.offset.z);
+	const glm::dvec2 corner = to_core(p_rect.position) + offset;
 	return {corner, corner + to_core(p_rect.size)};
 }
 

@@ -56,11 +56,11 @@ Rect to_world(const godot::Rect2 &p_rect, const WorldFrame &frame);
 godot::Vector3 to_engine(glm::dvec3 position, const WorldFrame &frame);
 godot::Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, const WorldFrame &frame);
 
-/// Copies a span into a packed array. `of` converts each element. Throws std::bad_alloc.
+/// Copies a span into a packed array. `convert` converts each element. Throws std::bad_alloc.
 template <class Packed, class Element, class Convert>
-Packed packed(std::span<const Element> elements, Convert of) {
+Packed packed(std::span<const Element> elements, Convert convert) {
 	Packed result;
-	std::ranges::transform(elements, resize(result, static_cast<std::int64_t>(elements.size())).begin(), of);
+	std::ranges::transform(elements, resize(result, static_cast<std::int64_t>(elements.size())).begin(), convert);
 	return result;
 }
 

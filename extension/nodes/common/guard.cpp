@@ -16,7 +16,7 @@ namespace thicket {
 namespace {
 
 /// Formats an argument for an error message. Values that may be long become "...".
-String in_short(const Variant &p_value) {
+String abbreviated(const Variant &p_value) {
 	switch (p_value.get_type()) {
 		case Variant::NIL:
 		case Variant::BOOL:
@@ -30,7 +30,7 @@ String in_short(const Variant &p_value) {
 	}
 }
 
-const char *reason() {
+const char *exception_reason() {
 	try {
 		throw;
 	} catch (const std::bad_alloc &) {
@@ -38,27 +38,27 @@ const char *reason() {
 	} catch (const std::length_error &) {
 		return "needs more memory than is available";
 	} catch (...) {
-		return "failed within";
+		return "failed because of an internal error";
 	}
 }
 
 } // namespace
 
-const char *kept_method_name(const StringName &p_class, const StringName &p_method) {
+const char *permanent_method_name(const StringName &p_class, const StringName &p_method) {
 	static std::deque<std::string> names; // A deque never moves its strings.
 	return names.emplace_back((String(p_class) + "." + String(p_method)).utf8().get_data()).c_str();
 }
 
 void report_failed_call(const char *method, std::span<const Variant> arguments) noexcept {
-	const char *why = reason();
+	const char *reason = exception_reason();
 	try {
 		String list;
 		for (const Variant &argument : arguments) {
-			list = list + (list.is_empty() ? "" : ", ") + in_short(argument);
+			list = list + (list.is_empty() ? "" : ", ") + abbreviated(argument);
 		}
-		ERR_PRINT(vformat("%s(%s) %s", String(method), list, String(why)));
+		ERR_PRINT(vformat("%s(%s) %s", String(method), list, String(reason)));
 	} catch (...) {
-		ERR_PRINT(why); // There is not enough memory for a longer message.
+		ERR_PRINT(reason); // There is not enough memory for a longer message.
 	}
 }
 

@@ -61,7 +61,7 @@ struct MemberFunction<R (C::*)(Args...) const> {
 };
 
 /// Returns `Class.method` as a string that stays valid until the library is unloaded.
-const char *kept_method_name(const godot::StringName &p_class, const godot::StringName &p_method);
+const char *permanent_method_name(const godot::StringName &p_class, const godot::StringName &p_method);
 
 /// The name and thread rule of a bound method. The name is a plain pointer, because hundreds of
 /// std::string variables would each register a destructor.
@@ -91,11 +91,11 @@ struct RefTarget<godot::Ref<T>> {
 
 /// Returns the result of a rejected call: a default value, such as 0 or an empty array.
 template <typename R>
-R refused_result(godot::Error error) {
+R rejected_result(godot::Error error) {
 	if constexpr (std::is_same_v<R, godot::Error>) {
 		return error; // The default value of Error means success.
 	} else if constexpr (requires { RefTarget<R>::Type::make_empty(); }) {
-		return RefTarget<R>::Type::make_empty(); // The class reference promises an empty object, not null.
+		return RefTarget<R>::Type::make_empty(); // The class reference documents an empty object, not null.
 	} else {
 		return R();
 	}
@@ -120,14 +120,14 @@ template <auto method, typename R, typename Self, typename... Args>
 R call_guarded(Self *p_self, const Args &...p_arguments) {
 	const BoundMethod &bound = bound_method<method>;
 	const ThreadTurn turn(thread_guard_of(p_self), bound, std::is_const_v<Self>);
-	if (!turn.granted()) {
+	if (!turn.is_granted()) {
 		if (bound.rule.use == ThreadUse::relayed) {
 			const std::array<godot::Variant, sizeof...(Args)> arguments{argument_of(p_arguments)...};
 			call_on_main_thread(p_self, bound.name, arguments);
 		} else {
 			turn.report();
 		}
-		return refused_result<R>(godot::ERR_BUSY);
+		return rejected_result<R>(godot::ERR_BUSY);
 	}
 	try {
 		return (p_self->*method)(p_arguments...);
@@ -135,7 +135,7 @@ R call_guarded(Self *p_self, const Args &...p_arguments) {
 		const std::array<godot::Variant, sizeof...(Args)> arguments{argument_of(p_arguments)...};
 		report_failed_call(bound.name, arguments);
 	}
-	return refused_result<R>(godot::ERR_OUT_OF_MEMORY);
+	return rejected_result<R>(godot::ERR_OUT_OF_MEMORY);
 }
 
 /// Binds a method like ClassDB::bind_method, with a thread rule and protection against exceptions:
@@ -144,7 +144,7 @@ R call_guarded(Self *p_self, const Args &...p_arguments) {
 template <auto method, typename Definition, typename... Defaults>
 void bind_guarded(const ThreadRule &rule, const Definition &p_definition, const Defaults &...p_defaults) {
 	using Member = MemberFunction<decltype(method)>;
-	bound_method<method> = {kept_method_name(Member::Class::get_class_static(), p_definition.name), rule};
+	bound_method<method> = {permanent_method_name(Member::Class::get_class_static(), p_definition.name), rule};
 	godot::ClassDB::bind_method(p_definition, Member::template entry<method>, p_defaults...);
 }
 

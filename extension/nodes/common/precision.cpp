@@ -39,12 +39,12 @@ bool fits_precision(GDExtensionInterfaceGetProcAddress p_get_proc_address) {
 	if (real_size == sizeof(Vector3::x)) {
 		return true;
 	}
-	const std::string engine = precision_name(real_size);
-	const std::string sentence = "This Thicket library was compiled for engines with " +
-			precision_name(sizeof(Vector3::x)) + " precision, and this engine has " + engine +
-			" precision: add the library that `scons precision=" + engine + " extension` builds.";
+	const std::string engine_precision = precision_name(real_size);
+	const std::string message = "This Thicket library was compiled for engines with " +
+			precision_name(sizeof(Vector3::x)) + " precision, and this engine has " + engine_precision +
+			" precision: add the library that `scons precision=" + engine_precision + " extension` builds.";
 	const auto print = find<GDExtensionInterfacePrintError>(p_get_proc_address, "print_error");
-	print(sentence.c_str(), __FUNCTION__, __FILE__, __LINE__, true);
+	print(message.c_str(), __FUNCTION__, __FILE__, __LINE__, true);
 	return false;
 }
 

@@ -18,10 +18,10 @@ bool accept_number(const char *owner, const char *property, double value, double
 
 void report(const char *owner, const Status &status) { report(owner, status, ""); }
 
-void report(const char *owner, const Status &status, const std::string &more) {
+void report(const char *owner, const Status &status, const std::string &details) {
 	if (!status.ok() && status.code != ErrorCode::cancelled) {
 		const godot::String text = sentence(owner, status);
-		ERR_PRINT(more.empty() ? text : text + godot::String(". ") + godot::String::utf8(more.c_str()));
+		ERR_PRINT(details.empty() ? text : text + godot::String(". ") + godot::String::utf8(details.c_str()));
 	}
 }
 

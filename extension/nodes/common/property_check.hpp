@@ -25,7 +25,7 @@ struct NumberProperty {
 	const char *hint_string = "";
 	/// The smallest accepted value other than 0, for a property whose `min` is 0 and means "none".
 	/// If this is 0, every value from `min` on is accepted.
-	Limit least = 0;
+	Limit min_nonzero = 0;
 };
 
 template <class Values, class Number, class... Rest>
@@ -39,8 +39,8 @@ bool accept_number(const char *owner, const char *property, double value, double
 /// canceled.
 void report(const char *owner, const Status &status);
 
-/// The same, but adds `more`, one or more sentences, to the message.
-void report(const char *owner, const Status &status, const std::string &more);
+/// The same, but adds `details`, one or more sentences, to the message.
+void report(const char *owner, const Status &status, const std::string &details);
 
 /// Converts a status to the Error that a bound method returns.
 godot::Error error_of(const Status &status);

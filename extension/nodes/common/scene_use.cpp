@@ -18,9 +18,9 @@ void SceneUse::replace(List list) {
 					use.object->get_class()));
 		}
 	}
-	// Destroying `before` frees the objects that have no other owner.
-	const List before = std::exchange(used_, std::move(list));
-	for (const List::Use &use : before.uses_) {
+	// Destroying `previous_uses` frees the objects that have no other owner.
+	const List previous_uses = std::exchange(current_uses_, std::move(list));
+	for (const List::Use &use : previous_uses.uses_) {
 		use.guard->leave_scene();
 	}
 }

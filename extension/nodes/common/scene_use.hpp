@@ -45,7 +45,7 @@ public:
 	void replace(List list);
 
 private:
-	List used_;
+	List current_uses_;
 };
 
 } // namespace thicket

@@ -77,7 +77,7 @@ String script_name(Object *p_owner) {
 						   : String("Script ") + text + String(" of ") + p_owner->get_class();
 }
 
-String in_words(GDExtensionCallErrorType error, const Variant &p_answer, std::int64_t size, std::int64_t count) {
+String describe_answer(GDExtensionCallErrorType error, const Variant &p_answer, std::int64_t size, std::int64_t count) {
 	if (error != GDEXTENSION_CALL_OK) {
 		return "could not be called";
 	}
@@ -111,22 +111,24 @@ Status ScriptAnswers::check(Object *p_owner, const ScriptMethod &method, GDExten
 	const Status status = is_array
 			? Status::wrong_size(method.result, std::max<std::int64_t>(size, 0), exactly(count, "one per position"))
 			: Status::missing(method.elements, "Return one element for each position");
-	return reject(p_owner, method, status, in_words(error, p_answer, size, count));
+	return reject(p_owner, method, status, describe_answer(error, p_answer, size, count));
 }
 
-Status ScriptAnswers::reject(Object *p_owner, const ScriptMethod &method, const Status &status, const String &p_words) {
-	const String text = script_name(p_owner) + String(": ") + String(method.name) + String("() ") + p_words +
+Status ScriptAnswers::reject(
+		Object *p_owner, const ScriptMethod &method, const Status &status, const String &p_description) {
+	const String text = script_name(p_owner) + String(": ") + String(method.name) + String("() ") + p_description +
 			String(". It must return ") + String(method.expected) +
 			String(". Fix the method, then call TerrainScatter3D.regenerate().");
 	const std::lock_guard lock(mutex_);
-	refusal_ = status;
+	last_rejection_ = status;
 	sentence_ = text;
 	return status;
 }
 
 String ScriptAnswers::sentence(const Status &status) const {
 	const std::lock_guard lock(mutex_);
-	const bool is_last = !status.ok() && refusal_.code == status.code && refusal_.property == status.property;
+	const bool is_last =
+			!status.ok() && last_rejection_.code == status.code && last_rejection_.property == status.property;
 	return is_last ? sentence_ : String();
 }
 

@@ -39,10 +39,10 @@ public:
 		return status;
 	}
 
-	/// Records and returns `status`, the error of a method whose result was rejected. `p_words`
-	/// describes the result: "returned -1".
-	Status reject(
-			godot::Object *p_owner, const ScriptMethod &method, const Status &status, const godot::String &p_words);
+	/// Records and returns `status`, the error of a method whose result was rejected.
+	/// `p_description` describes the result: "returned -1".
+	Status reject(godot::Object *p_owner, const ScriptMethod &method, const Status &status,
+			const godot::String &p_description);
 
 	/// Returns a message with the script, the method, the actual and the expected result, and how
 	/// to fix it. Returns an empty string unless `status` is from the last rejected result.
@@ -54,7 +54,7 @@ private:
 
 	mutable Mutex mutex_;
 	godot::String sentence_;
-	Status refusal_;
+	Status last_rejection_;
 };
 
 /// Returns the global name of an object's script, or its file, or the object's class.

@@ -15,14 +15,14 @@ namespace thicket {
 namespace {
 
 /// The innermost ThreadTurn of this thread that has not ended.
-constinit thread_local ThreadTurn *innermost = nullptr;
+constinit thread_local ThreadTurn *innermost_turn = nullptr;
 
 } // namespace
 
 /// If a method is still running, one of its callbacks has freed the object. The turns of this
 /// thread must then not access the guard.
 ThreadGuard::~ThreadGuard() {
-	for (ThreadTurn *turn = innermost; turn != nullptr; turn = turn->outer_) {
+	for (ThreadTurn *turn = innermost_turn; turn != nullptr; turn = turn->outer_turn_) {
 		if (turn->guard_ == this) {
 			turn->guard_ = nullptr;
 		}
@@ -31,8 +31,8 @@ ThreadGuard::~ThreadGuard() {
 
 bool ThreadGuard::enter_scene() {
 	scene_uses_.fetch_add(1); // From now on, calls on other threads are rejected.
-	bool written = false;
-	if (calls_.load() == 0 || ThreadTurn::held_by_this_thread(*this, written)) {
+	bool is_writing = false;
+	if (calls_.load() == 0 || ThreadTurn::is_held_by_this_thread(*this, is_writing)) {
 		return true;
 	}
 	const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(1);
@@ -45,22 +45,22 @@ bool ThreadGuard::enter_scene() {
 	return true;
 }
 
-bool ThreadTurn::held_by_this_thread(const ThreadGuard &guard, bool &r_written) {
-	bool held = false;
-	for (const ThreadTurn *turn = innermost; turn != nullptr; turn = turn->outer_) {
+bool ThreadTurn::is_held_by_this_thread(const ThreadGuard &guard, bool &r_is_writing) {
+	bool is_held = false;
+	for (const ThreadTurn *turn = innermost_turn; turn != nullptr; turn = turn->outer_turn_) {
 		if (turn->guard_ == &guard) {
-			held = true;
-			r_written = r_written || !turn->reads_;
+			is_held = true;
+			r_is_writing = r_is_writing || !turn->reads_;
 		}
 	}
-	return held;
+	return is_held;
 }
 
 /// Enters the method. Returns false if another thread is inside a method that excludes this one.
 bool ThreadTurn::take(bool reads) {
-	bool written = false;
-	const bool held = held_by_this_thread(*guard_, written);
-	if (held && (written || reads)) {
+	bool is_writing = false;
+	const bool is_held = is_held_by_this_thread(*guard_, is_writing);
+	if (is_held && (is_writing || reads)) {
 		guard_ = nullptr; // The outer turn already excludes other threads.
 		return true;
 	}
@@ -74,8 +74,8 @@ bool ThreadTurn::take(bool reads) {
 	} else {
 		// This thread may be inside a const method whose callback calls this non-const one. In that
 		// case, the const call must be the only reader.
-		before_ = held ? 1 : 0;
-		calls = before_;
+		previous_calls_ = is_held ? 1 : 0;
+		calls = previous_calls_;
 		if (guard_->calls_.compare_exchange_strong(calls, ThreadGuard::writing)) {
 			return true;
 		}
@@ -88,7 +88,7 @@ void ThreadTurn::release() {
 	if (reads_) {
 		guard_->calls_.fetch_sub(1);
 	} else {
-		guard_->calls_.store(before_);
+		guard_->calls_.store(previous_calls_);
 	}
 	guard_ = nullptr;
 }
@@ -101,7 +101,7 @@ ThreadTurn::ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads
 	}
 	const bool on_main = on_main_thread();
 	if (!on_main && (use == ThreadUse::main || guard == nullptr)) {
-		refusal_ = Refusal::not_main;
+		rejection_ = Rejection::not_main;
 		return;
 	}
 	if (guard == nullptr) {
@@ -113,7 +113,7 @@ ThreadTurn::ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads
 	}
 	guard_ = guard;
 	if (!take(reads)) {
-		refusal_ = !on_main && guard->in_scene() ? Refusal::in_scene : Refusal::busy;
+		rejection_ = !on_main && guard->in_scene() ? Rejection::in_scene : Rejection::busy;
 		return;
 	}
 	if (guard_ == nullptr) {
@@ -123,16 +123,16 @@ ThreadTurn::ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads
 	// detects enter_scene().
 	if (!on_main && guard->in_scene()) {
 		release();
-		refusal_ = Refusal::in_scene;
+		rejection_ = Rejection::in_scene;
 		return;
 	}
-	outer_ = innermost;
-	innermost = this;
+	outer_turn_ = innermost_turn;
+	innermost_turn = this;
 }
 
 ThreadTurn::~ThreadTurn() {
-	if (innermost == this) {
-		innermost = outer_;
+	if (innermost_turn == this) {
+		innermost_turn = outer_turn_;
 	}
 	if (guard_ != nullptr) {
 		release();
@@ -142,24 +142,24 @@ ThreadTurn::~ThreadTurn() {
 void ThreadTurn::report() const {
 	const char *problem = "";
 	const char *remedy = "";
-	switch (refusal_) {
-		case Refusal::none: return;
-		case Refusal::not_main:
+	switch (rejection_) {
+		case Rejection::none: return;
+		case Rejection::not_main:
 			problem = "called on a worker thread, but only the main thread may call it.";
 			remedy = "Use call_deferred().";
 			break;
-		case Refusal::in_scene:
+		case Rejection::in_scene:
 			problem = "called on a worker thread while the scene tree uses the object: only the main thread may call "
 					  "it then.";
 			remedy = "Use call_deferred(), or an object that no node in the tree uses.";
 			break;
-		case Refusal::busy:
+		case Rejection::busy:
 			problem = "called while another thread runs a method of the same object; only one thread at a time may "
 					  "use it.";
 			remedy = "Use one object per thread, or lock a Mutex around the calls.";
 			break;
 	}
-	if (method_.rule.remedy != nullptr && refusal_ != Refusal::busy) {
+	if (method_.rule.remedy != nullptr && rejection_ != Rejection::busy) {
 		remedy = method_.rule.remedy;
 	}
 	ERR_PRINT(String(method_.name) + String("() ") + String(problem) + String(" ") + String(remedy));

@@ -28,8 +28,8 @@ enum class ThreadUse : std::uint8_t {
 };
 
 struct ThreadRule {
-	constexpr ThreadRule(ThreadUse allowed, const char *instead = nullptr) :
-			use(allowed), remedy(instead) {} // NOLINT: as an argument
+	constexpr ThreadRule(ThreadUse p_use, const char *p_remedy = nullptr) :
+			use(p_use), remedy(p_remedy) {} // NOLINT: as an argument
 
 	ThreadUse use;
 	/// The part of the error message that suggests an alternative. Null selects the default text.
@@ -96,7 +96,7 @@ public:
 	ThreadTurn(const ThreadTurn &) = delete;
 	ThreadTurn &operator=(const ThreadTurn &) = delete;
 
-	bool granted() const { return refusal_ == Refusal::none; }
+	bool is_granted() const { return rejection_ == Rejection::none; }
 
 	/// Prints why the call was rejected and how to fix it.
 	void report() const;
@@ -104,19 +104,19 @@ public:
 private:
 	friend class ThreadGuard;
 
-	enum class Refusal : std::uint8_t { none, not_main, in_scene, busy };
+	enum class Rejection : std::uint8_t { none, not_main, in_scene, busy };
 
-	static bool held_by_this_thread(const ThreadGuard &guard, bool &r_written);
+	static bool is_held_by_this_thread(const ThreadGuard &guard, bool &r_is_writing);
 	bool take(bool reads);
 	void release();
 
 	const BoundMethod &method_;
 	/// The guard of the object. Null if no turn was taken, or if the object has been freed.
 	ThreadGuard *guard_ = nullptr;
-	std::int32_t before_ = 0; ///< The value of ThreadGuard::calls_ to restore after `writing`.
+	std::int32_t previous_calls_ = 0; ///< The value of ThreadGuard::calls_ to restore after `writing`.
 	bool reads_ = false;
-	Refusal refusal_ = Refusal::none;
-	ThreadTurn *outer_ = nullptr; ///< The enclosing turn of this thread.
+	Rejection rejection_ = Rejection::none;
+	ThreadTurn *outer_turn_ = nullptr; ///< The enclosing turn of this thread.
 };
 
 } // namespace thicket

@@ -41,7 +41,7 @@ void EngineThreads::run(const std::function<void(std::size_t index)> &work) {
 	struct Task {
 		const std::function<void(std::size_t index)> *work;
 		std::size_t index;
-		std::int64_t number;
+		std::int64_t task_id;
 
 		static void call(void *p_task) {
 			const Task &task = *static_cast<Task *>(p_task);
@@ -54,11 +54,11 @@ void EngineThreads::run(const std::function<void(std::size_t index)> &work) {
 	}
 	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
 	for (Task &task : tasks) {
-		task.number = pool->add_native_task(&Task::call, &task, true, "Thicket sampler");
+		task.task_id = pool->add_native_task(&Task::call, &task, true, "Thicket sampler");
 	}
 	work(0);
 	for (const Task &task : tasks) {
-		pool->wait_for_task_completion(task.number);
+		pool->wait_for_task_completion(task.task_id);
 	}
 }
 

@@ -11,7 +11,7 @@ namespace thicket {
 
 namespace {
 
-void connect_or_not(Object *p_source, const StringName &p_signal, const Callable &p_callable, bool p_connect) {
+void set_connected(Object *p_source, const StringName &p_signal, const Callable &p_callable, bool p_connect) {
 	if (p_source == nullptr || p_source->is_connected(p_signal, p_callable) == p_connect) {
 		return;
 	}
@@ -25,14 +25,14 @@ void connect_or_not(Object *p_source, const StringName &p_signal, const Callable
 } // namespace
 
 void watch(Object *p_source, const StringName &p_signal, Object *p_watcher, const StringName &p_method, bool p_watch) {
-	connect_or_not(p_source, p_signal, Callable(p_watcher, p_method), p_watch);
+	set_connected(p_source, p_signal, Callable(p_watcher, p_method), p_watch);
 }
 
 void watch(Object *p_source, const StringName &p_signal, Object *p_watcher, const StringName &p_method, bool p_watch,
 		const Variant &p_argument) {
 	Array arguments;
 	append(arguments, p_argument);
-	connect_or_not(p_source, p_signal, Callable(p_watcher, p_method).bindv(arguments), p_watch);
+	set_connected(p_source, p_signal, Callable(p_watcher, p_method).bindv(arguments), p_watch);
 }
 
 } // namespace thicket

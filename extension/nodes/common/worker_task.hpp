@@ -24,13 +24,13 @@ public:
 	WorkerTask(const WorkerTask &) = delete;
 	WorkerTask &operator=(const WorkerTask &) = delete;
 
-	/// Starts the work; the task must not be busy. If `at_once` is true, runs the work to
+	/// Starts the work; the task must not be busy. If `synchronous` is true, runs the work to
 	/// completion on the calling thread.
-	void start(Work work, bool at_once = false) {
+	void start(Work work, bool synchronous = false) {
 		work_ = std::move(work);
 		cancelled_ = false;
 		busy_ = true;
-		if (!at_once && has_threads()) {
+		if (!synchronous && has_threads()) {
 			task_ = godot::WorkerThreadPool::get_singleton()->add_native_task(
 					&WorkerTask::run, this, false, "Thicket ground");
 		} else {

@@ -62,7 +62,7 @@ bool ScatterGameplay::find_layer_to_add_to(const char *p_method, const Variant &
 		return false;
 	}
 	const bool is_displayed = r_layer < world_.layers().size() && world_.layers()[r_layer].wanted;
-	const Status status = is_displayed ? claim(r_layer) : invalid_layer_error();
+	const Status status = is_displayed ? claim(r_layer) : refused_layer();
 	report(name.c_str(), status);
 	return status.ok();
 }

@@ -112,7 +112,7 @@ bool FormerVisibility::set(const StringName &p_name, const Variant &p_value) {
 	}
 	const String name = "ScatterLayer." + String(p_name);
 	if (is_name("visibility_range_end")) {
-		stored_end_ = p_value;
+		end_ = p_value;
 		warn_of_change(name.utf8().get_data(), "is replaced by ScatterLayer.view_distance");
 	} else {
 		warn_of_removal(name.utf8().get_data(),
@@ -122,7 +122,7 @@ bool FormerVisibility::set(const StringName &p_name, const Variant &p_value) {
 }
 
 double FormerVisibility::limit(double view_distance) {
-	const double end = std::exchange(stored_end_, 0.0);
+	const double end = std::exchange(end_, 0.0);
 	return end > 0.0 ? std::min(view_distance, end) : view_distance;
 }
 

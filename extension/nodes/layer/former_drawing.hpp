@@ -49,7 +49,7 @@ public:
 	double limit(double view_distance);
 
 private:
-	double stored_end_ = 0.0; ///< The stored visibility_range_end in meters; 0 if there is none.
+	double end_ = 0.0; ///< The stored visibility_range_end in meters; 0 if there is none.
 };
 
 } // namespace thicket

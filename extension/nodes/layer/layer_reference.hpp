@@ -39,7 +39,7 @@ godot::String find_stored_layer(
 		const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_reference, std::uint32_t &r_index);
 
 /// Returns the error for a call with a layer whose settings are invalid.
-inline Status invalid_layer_error() {
+inline Status refused_layer() {
 	return Status::missing("layer", "Fix the problems that TerrainScatter3D.get_problems() returns");
 }
 

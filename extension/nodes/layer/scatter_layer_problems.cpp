@@ -15,10 +15,10 @@ bool has_default_domain(const Ref<Curve> &p_curve) {
 	return p_curve->get_min_domain() == 0.0F && p_curve->get_max_domain() == 1.0F;
 }
 
-/// Adds the problems of a density curve and of its table. `p_input` describes the
-/// input of the curve in messages.
+/// Adds the problems of a density curve and of its table. `p_domain` is the unit of the curve's
+/// input, for messages.
 void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std::shared_ptr<const CurveTable> &table,
-		const char *p_input, PackedStringArray &r_problems) {
+		const char *p_domain, PackedStringArray &r_problems) {
 	if (p_curve.is_null()) {
 		return;
 	}
@@ -32,7 +32,7 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 				String(" is 0 everywhere, so nothing is placed. Raise a point of the curve, or remove the curve."));
 	}
 	if (has_default_domain(p_curve)) {
-		r_problems.push_back(name + String(" still has the default domain of 0 to 1, but its input is ") + p_input +
+		r_problems.push_back(name + String(" still has the default domain of 0 to 1, but its input is in ") + p_domain +
 				String(". Set Min Domain and Max Domain."));
 	}
 }
@@ -54,11 +54,11 @@ void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 
 void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 	add_curve_problem("density_over_height", resource("density_over_height"), settings_.rules.height_curve,
-			"in meters of height", r_problems);
+			"meters of height", r_problems);
 	add_curve_problem("density_over_slope", resource("density_over_slope"), settings_.rules.slope_curve,
-			"in degrees of slope", r_problems);
+			"degrees of slope", r_problems);
 	add_curve_problem(
-			"noise_curve", resource("noise_curve"), tables_.noise_curve, "a noise value from -1 to 1", r_problems);
+			"noise_curve", resource("noise_curve"), tables_.noise_curve, "the range of noise, -1 to 1", r_problems);
 	if (resource("noise_curve").is_valid() && resource("noise").is_null()) {
 		r_problems.push_back(
 				"ScatterLayer.noise_curve has no effect because noise is empty. Set noise, or remove noise_curve.");
@@ -74,11 +74,11 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 }
 
 void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
-	if (mask_.is_valid() && mask_->is_blank() && mask_->get_background() >= 1.0) {
+	if (mask_.is_valid() && mask_->blank() && mask_->get_background() >= 1.0) {
 		r_problems.push_back("ScatterLayer.mask has no effect: it is not painted, and its background is 1. Paint on "
 							 "it, or clear mask.");
 	}
-	if (mask_.is_valid() && mask_->is_blank() && mask_->get_background() <= 0.0) {
+	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
 		r_problems.push_back(
 				"Nothing is placed: ScatterLayer.mask is not painted, and its background is 0. Paint on it.");
 	}
@@ -115,8 +115,8 @@ void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name. Remove the entry.");
 	}
 	if (!links_.proximity_layer.empty()) {
-		add_curve_problem("proximity_curve", resource("proximity_curve"), links_.proximity_curve,
-				"in meters of distance", r_problems);
+		add_curve_problem("proximity_curve", resource("proximity_curve"), links_.proximity_curve, "meters of distance",
+				r_problems);
 	} else if (resource("proximity_curve").is_valid()) {
 		r_problems.push_back(
 				"ScatterLayer.proximity_curve is not used: proximity_layer names no layer. Set proximity_layer.");

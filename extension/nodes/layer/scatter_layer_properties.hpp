@@ -80,7 +80,7 @@ constexpr PropertyUse use_of() {
 
 template <const auto &property>
 void ScatterLayer::set_number(double p_value) {
-	const double min = property.least > 0.0 && p_value > 0.0 ? property.least : property.min;
+	const double min = property.min_nonzero > 0.0 && p_value > 0.0 ? property.min_nonzero : property.min;
 	double &value = part<PartOf<property>>(*this).*property.member;
 	if (accept_number(ScatterLayer::class_name, property.name, p_value, min, property.max) && value != p_value) {
 		value = p_value;

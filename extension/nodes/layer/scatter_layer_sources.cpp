@@ -48,7 +48,7 @@ PropertyInfo value_property(const char *p_name) {
 }
 
 /// Returns the settings of a value without those that its source does not use, so that changes to
-/// reason settings regenerate nothing.
+/// unused settings regenerate nothing.
 InstanceSource used_settings(const Ref<ScatterValueSource> &p_value, bool is_used) {
 	if (!is_used || p_value.is_null()) {
 		return {};
@@ -193,15 +193,15 @@ bool ScatterLayer::set_former_value(const StringName &p_name, const Variant &p_v
 void ScatterLayer::add_source_problems(PackedStringArray &r_problems) const {
 	const InstanceData &data = settings_.instance_data;
 	if (color_value_.is_valid()) {
-		String reason;
+		String unused;
 		if (!data.use_colors) {
-			reason = "is not used without use_colors. Enable use_colors, or clear color_value.";
+			unused = "is not used without use_colors. Enable use_colors, or clear color_value.";
 		} else if (color_value_->get_gradient().is_null()) {
-			reason = "has no gradient: all instances are white. Set a gradient, or clear color_value.";
+			unused = "has no gradient: all instances are white. Set a gradient, or clear color_value.";
 		} else if (color_value_->get_gradient()->get_point_count() == 0) {
-			reason = "has a gradient without points: all instances are black. Add points, or clear color_value.";
+			unused = "has a gradient without points: all instances are black. Add points, or clear color_value.";
 		}
-		ValueProblems("color_value", *color_value_.ptr(), r_problems).add(reason);
+		ValueProblems("color_value", *color_value_.ptr(), r_problems).add(unused);
 	}
 	if (variation_value_.is_valid()) {
 		ValueProblems("variation_value", *variation_value_.ptr(), r_problems)
@@ -210,7 +210,7 @@ void ScatterLayer::add_source_problems(PackedStringArray &r_problems) const {
 											"variation_value.");
 	}
 	if (scale_value_.is_valid()) {
-		const bool scale_varies = settings_.placement.min_scale != settings_.placement.max_scale;
+		const bool varies = settings_.placement.min_scale != settings_.placement.max_scale;
 		ValueProblems("scale_value", *scale_value_.ptr(), r_problems)
 				.add(varies ? ""
 							: "has no effect because min_scale equals max_scale. Change one of them, or clear "

@@ -57,11 +57,11 @@ Status with_script_names(Status status) {
 } // namespace
 
 bool ScatterMask::accept_while_blank(const char *p_property, double p_value) const {
-	if (!is_blank()) {
+	if (!blank()) {
 		ERR_PRINT(vformat("ScatterMask.%s cannot change while the mask is painted, got %s. Call clear() first.",
 				p_property, p_value));
 	}
-	return is_blank();
+	return blank();
 }
 
 void ScatterMask::reset(double p_pixel_size, double p_background) {
@@ -114,9 +114,7 @@ Status ScatterMask::take(std::span<const std::uint8_t> bytes) {
 	return with_script_names(status);
 }
 
-PackedByteArray ScatterMask::get_data() const {
-	return is_blank() ? PackedByteArray() : packed_bytes(mask_.to_bytes());
-}
+PackedByteArray ScatterMask::get_data() const { return blank() ? PackedByteArray() : packed_bytes(mask_.to_bytes()); }
 
 Rect2 ScatterMask::emit_area_changed(const Status &status, const Rect &changed_area) {
 	report(class_name, with_script_names(status));
@@ -175,7 +173,7 @@ Rect2i ScatterMask::get_pixel_rect(const Rect2 &p_rect) const {
 }
 
 void ScatterMask::clear() {
-	if (!is_blank()) {
+	if (!blank()) {
 		reset(get_pixel_size(), background_);
 	}
 }

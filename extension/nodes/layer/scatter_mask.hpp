@@ -100,7 +100,7 @@ public:
 	std::shared_ptr<const PaintedMask> snapshot() const;
 
 	/// Returns true if nothing is painted.
-	bool is_blank() const { return mask_.block_count() == 0; }
+	bool blank() const { return mask_.block_count() == 0; }
 
 	void _reset_state() override { clear(); }
 

@@ -306,7 +306,7 @@ PackedFloat32Array TerrainScatter3D::values_of(
 		const LayerExplainer explainer = layer_explainer();
 		const bool is_known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
 		status = !explainer.ground.is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
-				: p_layer != nullptr && !is_known ? invalid_layer_error()
+				: p_layer != nullptr && !is_known ? refused_layer()
 												  : evaluate(explainer, layer, positions, values);
 		rule_problem = is_known ? density_rule_problem(*explainer.layers[layer]->settings, status) : "";
 	}

@@ -269,7 +269,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 	if (status.ok()) {
 		snapshot = layer < layer_list_.snapshots().size() ? layer_list_.snapshots()[layer] : nullptr;
 		status = !ground_->is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
-				: snapshot == nullptr     ? invalid_layer_error()
+				: snapshot == nullptr     ? refused_layer()
 										  : Status{};
 	}
 	const Rect rect = status.ok() ? rect_of(*snapshot) : Rect();
