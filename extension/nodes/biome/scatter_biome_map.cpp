@@ -303,8 +303,7 @@ void ScatterBiomeMap::add_layer_problems(
 	for (int64_t index = 0; index < p_node_layers.size(); ++index) {
 		const Ref<ScatterLayer> layer = p_node_layers[index];
 		bool in_biome = false;
-		for_each_layer_list(
-				[&](const TypedArray<ScatterLayer> &p_layers) { in_biome = in_biome || is_in(layer, p_layers); });
+		each_layers([&](const TypedArray<ScatterLayer> &p_layers) { in_biome = in_biome || is_in(layer, p_layers); });
 		if (layer.is_valid() && in_biome) {
 			r_problems.push_back(vformat(
 					"Layer %d is also in a biome, but is placed everywhere. Remove it from one of the two lists.",

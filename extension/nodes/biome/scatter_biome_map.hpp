@@ -103,7 +103,7 @@ public:
 
 	/// Calls `visit` with the array of layers of each biome.
 	template <class Take>
-	void for_each_layer_list(const Take &visit) const {
+	void each_layers(const Take &visit) const {
 		for (std::size_t index = 0; index < biome_count(); ++index) {
 			if (const ScatterBiome *entry = biome(index)) {
 				visit(entry->get_layers());

@@ -90,7 +90,7 @@ String find_in(const Layers &p_layers, const Variant &p_reference, std::uint32_t
 			break;
 		default: break;
 	}
-	return reference_problem(p_reference);
+	return no_reference(p_reference);
 }
 
 template <class Layers>
@@ -199,7 +199,7 @@ Variant accept_reference(const char *p_property, const Variant &p_reference, con
 	const Ref<ScatterLayer> stored_layer = reference;
 	String problem;
 	if (reference.get_type() == Variant::NIL) {
-		problem = reference_problem(p_reference);
+		problem = no_reference(p_reference);
 	} else if (stored_layer.is_valid() && stored_layer->stores(p_holder)) {
 		problem = layer_cycle_problem;
 	}
@@ -237,7 +237,7 @@ ReferenceChange naming_layers(const TypedArray<ScatterLayer> &p_layers) {
 	};
 }
 
-std::optional<Variant> updated_reference(
+std::optional<Variant> changed_reference(
 		const ReferenceChange &change, const char *p_property, const Variant &p_stored, const Resource *p_holder) {
 	std::optional<Variant> new_reference = change(p_property, p_stored);
 	const Ref<ScatterLayer> stored_layer = new_reference ? stored_reference(*new_reference) : Variant();
@@ -253,7 +253,7 @@ Array current_references(const Array &p_stored) {
 	return result;
 }
 
-std::optional<Array> updated_references(
+std::optional<Array> changed_references(
 		const Array &p_stored, const std::function<std::optional<Variant>(const Variant &)> &change) {
 	Array new_references;
 	bool any_changed = false;
@@ -265,8 +265,6 @@ std::optional<Array> updated_references(
 	return any_changed ? std::optional(new_references) : std::nullopt;
 }
 
-String reference_problem(const Variant &p_value) {
-	return vformat("Pass a ScatterLayer or its name, not %s.", p_value);
-}
+String no_reference(const Variant &p_value) { return vformat("Pass a ScatterLayer or its name, not %s.", p_value); }
 
 } // namespace thicket

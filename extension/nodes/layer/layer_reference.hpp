@@ -102,7 +102,7 @@ ReferenceChange naming_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 /// Returns the new form of a stored reference of `p_holder`. The result is empty if the reference
 /// stays unchanged, for example because the holder cannot store the new form (see
 /// accept_reference).
-std::optional<godot::Variant> updated_reference(const ReferenceChange &change, const char *p_property,
+std::optional<godot::Variant> changed_reference(const ReferenceChange &change, const char *p_property,
 		const godot::Variant &p_stored, const godot::Resource *p_holder);
 
 /// Returns the value of a property with a list of stored references. It is a read-only copy that
@@ -111,7 +111,7 @@ godot::Array current_references(const godot::Array &p_stored);
 
 /// Returns a list of stored references with a change applied to each of them; empty if none
 /// changes. The function `change` returns the new form of a reference; empty to keep the old one.
-std::optional<godot::Array> updated_references(const godot::Array &p_stored,
+std::optional<godot::Array> changed_references(const godot::Array &p_stored,
 		const std::function<std::optional<godot::Variant>(const godot::Variant &)> &change);
 
 /// Converts a stored reference to the core's form; empty for an empty name.
@@ -121,6 +121,6 @@ inline constexpr const char *layer_cycle_problem =
 		"Layers without names must not refer to each other in a cycle, which no scene could store: give them names.";
 
 /// Returns the error message for a value that cannot refer to a layer.
-godot::String reference_problem(const godot::Variant &p_value);
+godot::String no_reference(const godot::Variant &p_value);
 
 } // namespace thicket

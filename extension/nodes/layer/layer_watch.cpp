@@ -109,7 +109,7 @@ bool LayerWatch::is_name_of_other(const String &p_name, const WatchedLayer &laye
 	});
 }
 
-std::vector<LayerRename> LayerWatch::take_renames() {
+std::vector<LayerRename> LayerWatch::follow_names() {
 	std::vector<LayerRename> renames;
 	for (WatchedLayer &watched : watched_layers_) {
 		const String name = watched.layer.is_valid() ? watched.layer->get_name() : String();

@@ -47,7 +47,7 @@ public:
 	/// Skips a new name that is empty or that another layer has, because the user may still be
 	/// typing it. Skips an old name that another layer has, because references then refer to that
 	/// layer.
-	std::vector<LayerRename> take_renames();
+	std::vector<LayerRename> follow_names();
 
 	/// Applies a change to the references of all layers in the list.
 	void change_references(const ReferenceChange &change) const;

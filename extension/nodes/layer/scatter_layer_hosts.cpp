@@ -35,9 +35,9 @@ Array ScatterLayer::get_surface_layers() const { return current_references(surfa
 
 void ScatterLayer::change_surface_layers(const ReferenceChange &change) {
 	const auto update = [&](const Variant &p_stored) {
-		return updated_reference(change, "ScatterLayer.surface_layers", p_stored, this);
+		return changed_reference(change, "ScatterLayer.surface_layers", p_stored, this);
 	};
-	if (const auto updated = updated_references(surface_layers_, update)) {
+	if (const auto updated = changed_references(surface_layers_, update)) {
 		set_surface_layers(*updated);
 	}
 }

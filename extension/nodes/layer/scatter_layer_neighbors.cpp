@@ -133,7 +133,7 @@ void ScatterLayer::rename_in_expressions(const ReferenceChange &change) {
 }
 
 void ScatterLayer::change_references(const ReferenceChange &change) {
-	if (const auto new_reference = updated_reference(change, "ScatterLayer.proximity_layer", proximity_layer_, this)) {
+	if (const auto new_reference = changed_reference(change, "ScatterLayer.proximity_layer", proximity_layer_, this)) {
 		set_proximity_layer(*new_reference);
 	}
 	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_, scale_value_}) {
@@ -151,7 +151,7 @@ void ScatterLayer::change_references(const ReferenceChange &change) {
 	Dictionary new_spacing; // A new Dictionary, to keep the order of the entries in the inspector.
 	bool any_changed = false;
 	for (int64_t i = 0; i < references.size(); ++i) {
-		const auto new_reference = updated_reference(change, "ScatterLayer.spacing", references[i], this);
+		const auto new_reference = changed_reference(change, "ScatterLayer.spacing", references[i], this);
 		const Variant reference = stored_reference(new_reference ? *new_reference : references[i]);
 		// If the new name is already in the Dictionary, the larger distance is used. fmax ignores
 		// NAN, the value for a missing number.

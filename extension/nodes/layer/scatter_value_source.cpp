@@ -126,7 +126,7 @@ const std::shared_ptr<const ColorTable> &ScatterValueSource::current_colors() {
 }
 
 void ScatterValueSource::change_reference(const ReferenceChange &change) {
-	if (const auto new_reference = updated_reference(change, "ScatterValueSource.layer", layer_, this)) {
+	if (const auto new_reference = changed_reference(change, "ScatterValueSource.layer", layer_, this)) {
 		set_layer(*new_reference);
 	}
 }

@@ -52,7 +52,7 @@ void ScatterRegion3D::set_layers(const Array &p_layers) {
 	for (int64_t i = 0; i < p_layers.size(); ++i) {
 		append(references, stored_reference(p_layers[i]));
 		if (references[i].get_type() == Variant::NIL) {
-			ERR_PRINT("ScatterRegion3D.layers: " + reference_problem(p_layers[i]));
+			ERR_PRINT("ScatterRegion3D.layers: " + no_reference(p_layers[i]));
 			return;
 		}
 	}
@@ -66,7 +66,7 @@ void ScatterRegion3D::change_references(const ReferenceChange &change) {
 	const auto changed_layer = [&](const Variant &p_reference) {
 		return change("ScatterRegion3D.layers", p_reference);
 	};
-	if (const auto references = updated_references(layers_, changed_layer)) {
+	if (const auto references = changed_references(layers_, changed_layer)) {
 		set_layers(*references);
 	}
 }

@@ -62,7 +62,7 @@ void NodeLayers::update(const TypedArray<ScatterLayer> &p_own_layers, const Scat
 		for (int64_t index = 0; index < p_own_layers.size(); ++index) {
 			all_layers.emplace_back(p_own_layers[index]);
 		}
-		biomes->for_each_layer_list(
+		biomes->each_layers(
 				[&all_layers](const TypedArray<ScatterLayer> &p_layers) { append_unique(p_layers, all_layers); });
 	}
 	if (all_layers.size() <= own_count_) {

@@ -88,7 +88,7 @@ void TerrainScatter3D::mark_dirty() {
 	const bool may_assign_ids = is_inside_tree() || !was_inside_;
 	// Assigning an ID emits a signal, so scripts may free this node.
 	watch->update(layers, node_layers_.own_count(), may_assign_ids);
-	const std::vector<LayerRename> renames = gameplay->alive() ? watch->take_renames() : std::vector<LayerRename>();
+	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
 		return;
 	}
