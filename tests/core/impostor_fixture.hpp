@@ -22,7 +22,7 @@ inline ImpostorSurface triangles(
 		surface.indices.push_back(at);
 	}
 	surface.material.albedo = color;
-	surface.material.culled = culled;
+	surface.material.culled_side = culled;
 	return surface;
 }
 

@@ -262,7 +262,7 @@ TEST_CASE("impostor: map positions have the documented directions and frame axes
 				const glm::vec3 direction = octahedral_direction({u, v}, span);
 				CHECK(glm::length(direction) == doctest::Approx(1.0));
 				CHECK((span == OctahedralSpan::sphere || direction.y >= 0.0F));
-				const PictureAxes axes = picture_axes(direction);
+				const ViewAxes axes = view_axes(direction);
 				CHECK(glm::dot(axes.right, axes.up) == doctest::Approx(0.0));
 				CHECK(glm::dot(axes.right, direction) == doctest::Approx(0.0));
 				CHECK(glm::length(axes.up) == doctest::Approx(1.0));

@@ -15,11 +15,11 @@ TEST_CASE("impostor texture: the sRGB curve is accurate to 1e-6, and bytes conve
 		const auto byte = static_cast<std::uint8_t>(stored);
 		CHECK(std::abs(curve.linear(byte) - exact) < 1e-6);
 		CHECK(std::abs(curve.linear(static_cast<float>(unit)) - exact) < 1e-6);
-		CHECK(curve.stored(curve.linear(byte)) == stored);
+		CHECK(curve.encoded(curve.linear(byte)) == stored);
 	}
-	CHECK(curve.stored(-1.0F) == 0);
-	CHECK(curve.stored(7.0F) == 255);
-	CHECK(curve.stored(static_cast<float>(nan_value)) == 0);
+	CHECK(curve.encoded(-1.0F) == 0);
+	CHECK(curve.encoded(7.0F) == 255);
+	CHECK(curve.encoded(static_cast<float>(nan_value)) == 0);
 	CHECK(unit_byte(static_cast<float>(nan_value)) == 0);
 	CHECK(unit_byte(0.5F) == 128);
 }

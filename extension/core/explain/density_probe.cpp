@@ -13,13 +13,13 @@ struct DensityProbe::Workspace {
 	explicit Workspace(const SampleMargins &margins) : filter(margins) {}
 
 	Status find(const LayerSettings &layer, std::span<const glm::dvec2> positions, std::span<const Ground> on_surface,
-			const Rect &rect, const Surface *surface, const Surface *grown);
+			const Rect &rect, const Surface *surface, const Surface *host_surface);
 	void gather_positions();
-	Status check_ground(std::span<const Ground> known) const;
+	Status check_ground(std::span<const Ground> given_ground) const;
 
 	TileFilter filter;
-	bool found = false;
-	bool explains = false; ///< True if the queries must include normals.
+	bool is_prepared = false;
+	bool for_explanation = false; ///< True if explanations need normals and the choice of meshes.
 	std::vector<glm::dvec2> positions;
 	std::vector<GroundQuery> queries;
 	std::vector<Ground> ground;
@@ -28,14 +28,14 @@ struct DensityProbe::Workspace {
 };
 
 Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const glm::dvec2> positions,
-		std::span<const Ground> on_surface, const Rect &rect, const Surface *surface, const Surface *grown) {
+		std::span<const Ground> on_surface, const Rect &rect, const Surface *surface, const Surface *host_surface) {
 	LayerSettings rules = layer;
 	// Layers on which colors depend take time to evaluate and do not affect the density.
 	rules.instance_data = {};
 	// The placement and the choice of meshes do not affect the density either, but explanations include
 	// the meshes.
 	rules.placement = {};
-	if (!explains) {
+	if (!for_explanation) {
 		rules.mesh_rules.clear();
 	}
 	filter.set(rules);
@@ -50,11 +50,11 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 		constexpr double rounding = 0.01; // Meters; heights are floats.
 		space = {rect, lowest->height - rounding, highest->height + rounding};
 	}
-	if (const Status status = filter.sample_around(positions, on_surface, space, surface, grown); !status.ok()) {
+	if (const Status status = filter.sample_around(positions, on_surface, space, surface, host_surface); !status.ok()) {
 		return status;
 	}
 	gather_positions();
-	found = true;
+	is_prepared = true;
 	return {};
 }
 
@@ -64,16 +64,16 @@ void DensityProbe::Workspace::gather_positions() {
 	filter.add_queries(positions, queries);
 	for (GroundQuery &query : queries) {
 		// Explanations include the slope, which needs the normal.
-		query.needs.normals = query.needs.normals || explains;
+		query.needs.normals = query.needs.normals || for_explanation;
 	}
 }
 
-/// Returns an error unless `known` is the ground at the positions.
-Status DensityProbe::Workspace::check_ground(std::span<const Ground> known) const {
-	if (!found) {
+/// Returns an error unless `find` has succeeded and `given_ground` has an entry for each position.
+Status DensityProbe::Workspace::check_ground(std::span<const Ground> given_ground) const {
+	if (!is_prepared) {
 		return {ErrorCode::missing, "positions", 0.0};
 	}
-	return thicket::check_ground(known, positions.size());
+	return thicket::check_ground(given_ground, positions.size());
 }
 
 DensityProbe::DensityProbe(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}
@@ -81,9 +81,9 @@ DensityProbe::~DensityProbe() = default;
 DensityProbe::DensityProbe(DensityProbe &&) noexcept = default;
 DensityProbe &DensityProbe::operator=(DensityProbe &&) noexcept = default;
 
-Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> positions, bool explains,
-		const Surface *surface, std::span<const Ground> on_surface, const Surface *grown) {
-	workspace_->found = false;
+Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> positions, bool for_explanation,
+		const Surface *surface, std::span<const Ground> on_surface, const Surface *host_surface) {
+	workspace_->is_prepared = false;
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}
@@ -94,9 +94,9 @@ Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2
 	if (!rect.finite()) {
 		return {ErrorCode::not_finite, "positions", rect.min.x};
 	}
-	workspace_->explains = explains;
+	workspace_->for_explanation = for_explanation;
 	return guarded("positions", static_cast<double>(positions.size()),
-			[&] { return workspace_->find(layer, positions, on_surface, rect, surface, grown); });
+			[&] { return workspace_->find(layer, positions, on_surface, rect, surface, host_surface); });
 }
 
 bool DensityProbe::is_complete() const { return workspace_->filter.is_complete(); }
@@ -108,7 +108,7 @@ Status DensityProbe::find_further(std::span<const Ground> ground) {
 	return guarded("ground", static_cast<double>(ground.size()), [&] {
 		const Status status = workspace_->filter.sample_further(ground);
 		workspace_->gather_positions();
-		workspace_->found = status.ok();
+		workspace_->is_prepared = status.ok();
 		return status;
 	});
 }
@@ -126,10 +126,10 @@ Status DensityProbe::evaluate(std::span<const Ground> ground) {
 		return status;
 	}
 	return guarded("ground", static_cast<double>(ground.size()), [&] {
-		Workspace &work = *workspace_;
-		work.ground.assign(ground.begin(), ground.end());
-		work.own_ground = work.filter.all_own_ground(work.ground);
-		return work.filter.filter_neighbors(work.ground);
+		Workspace &workspace = *workspace_;
+		workspace.ground.assign(ground.begin(), ground.end());
+		workspace.own_ground = workspace.filter.all_own_ground(workspace.ground);
+		return workspace.filter.filter_neighbors(workspace.ground);
 	});
 }
 
@@ -143,9 +143,9 @@ double DensityProbe::density_at(std::size_t index) const {
 
 Status DensityProbe::world_values_at(std::size_t index, std::vector<float> &r_values) const {
 	return guarded("world values", 0.0, [&] {
-		const LayerFilter &own = workspace_->filter.own();
-		r_values.assign(own.settings().world_sources.size(), 0.0f);
-		own.world_values(index, workspace_->own_ground, r_values);
+		const LayerFilter &layer_filter = workspace_->filter.own();
+		r_values.assign(layer_filter.settings().world_sources.size(), 0.0f);
+		layer_filter.world_values(index, workspace_->own_ground, r_values);
 		return Status();
 	});
 }

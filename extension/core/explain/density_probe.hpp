@@ -36,15 +36,17 @@ public:
 	/// layers on which its rules depend there. The search covers the bounding rectangle of the
 	/// positions, so these should be close together. Returns an error for an invalid layer, an
 	/// empty list, and positions that are not finite. If the search would find more than
-	/// max_probed_points, the error names `rect`. If `explains` is true, the queries include the
-	/// ground's normals even if the rules do not need them. `surface` is the surface of the ground;
-	/// without it, layers on surfaces have no points. The positions are on the top of the ground,
-	/// unless `on_surface` contains the ground at each of them. `grown` is then the surface on which
-	/// the layer grows; without it, the probe ignores the edge feather.
-	Status find(const LayerSettings &layer, std::span<const glm::dvec2> positions, bool explains = false,
-			const Surface *surface = nullptr, std::span<const Ground> on_surface = {}, const Surface *grown = nullptr);
+	/// max_probed_points, the error names `rect`. If `for_explanation` is true, the queries include
+	/// the ground's normals even if the rules do not need them. `surface` is the surface of the
+	/// ground; without it, layers on surfaces have no points. The positions are on the top of the
+	/// ground, unless `on_surface` contains the ground at each of them. `host_surface` is then the
+	/// surface on which the layer grows; without it, the probe ignores the edge feather.
+	Status find(const LayerSettings &layer, std::span<const glm::dvec2> positions, bool for_explanation = false,
+			const Surface *surface = nullptr, std::span<const Ground> on_surface = {},
+			const Surface *host_surface = nullptr);
 
-	/// Continue `find` with the ground at positions(); see TileBuilder::find_further.
+	/// These functions continue `find` with the ground at positions(); see
+	/// TileBuilder::find_further.
 	bool is_complete() const;
 	Status find_further(std::span<const Ground> ground);
 
@@ -66,8 +68,9 @@ public:
 	double density_at(std::size_t index) const;
 	Status factors_at(std::size_t index, std::vector<RuleFactor> &r_factors) const;
 
-	/// Replaces `r_values` with the values of LayerSettings::world_sources at a position, under the same
-	/// conditions. Values that no mesh uses are 0. `find` must have been called with `explains`.
+	/// Replaces `r_values` with the values of LayerSettings::world_sources at a position, under the
+	/// same conditions. Values that no mesh uses are 0. `find` must have been called with
+	/// `for_explanation`.
 	Status world_values_at(std::size_t index, std::vector<float> &r_values) const;
 
 private:

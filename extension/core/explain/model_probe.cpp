@@ -8,7 +8,7 @@ namespace {
 
 /// Models are found for the points in a cube around the position. This is half the edge length of
 /// the cube, in radii of the layer's set.
-constexpr double radii_around = 4.0;
+constexpr double half_edge_in_radii = 4.0;
 
 } // namespace
 
@@ -16,9 +16,9 @@ Status ModelProbe::find(const LayerSettings &layer, const glm::dvec3 &position, 
 	return guarded("position", position.x, [&] {
 		filter_.set(layer);
 		const glm::dvec2 center(position.x, position.z);
-		const double around = radii_around * layer.set.radius;
+		const double half_edge = half_edge_in_radii * layer.set.radius;
 		// The height is limited, because a column of unlimited height could extend through a planet.
-		const TileSpace space({center - around, center + around}, position.y - around, position.y + around);
+		const TileSpace space({center - half_edge, center + half_edge}, position.y - half_edge, position.y + half_edge);
 		const Status status = filter_.sample(space, surface, nullptr);
 		gather_positions();
 		return status;

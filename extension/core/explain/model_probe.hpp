@@ -18,7 +18,8 @@ public:
 	/// hosted. `surface` is the surface of the ground, or null if there is none.
 	Status find(const LayerSettings &layer, const glm::dvec3 &position, const Surface *surface);
 
-	/// Continue `find` with the ground at positions(); see TileBuilder::find_further.
+	/// These functions continue `find` with the ground at positions(); see
+	/// TileBuilder::find_further.
 	bool is_complete() const { return filter_.is_complete(); }
 	Status find_further(std::span<const Ground> ground);
 

@@ -20,17 +20,17 @@ void PlanetSamples::add(const Surface &surface, std::size_t index, const glm::dv
 void PlanetSamples::find_on_top(
 		const Surface &surface, const Planet &planet, std::span<const glm::dvec2> top_positions) {
 	for (std::size_t i = 0; i < top_positions.size(); ++i) {
-		const glm::dvec2 at = top_positions[i];
-		add(surface, i, {at.x, planet.top(), at.y}, {at.x, planet.bottom(), at.y});
+		const glm::dvec2 position = top_positions[i];
+		add(surface, i, {position.x, planet.top(), position.y}, {position.x, planet.bottom(), position.y});
 	}
 }
 
 void PlanetSamples::find_at(
 		const Surface &surface, const Planet &planet, std::span<const glm::dvec3> ground_positions) {
-	constexpr double reach = 1.0;
+	constexpr double max_offset = 1.0;
 	for (std::size_t i = 0; i < ground_positions.size(); ++i) {
-		const glm::dvec3 &at = ground_positions[i];
-		add(surface, i, planet.above(at, reach), planet.above(at, -reach));
+		const glm::dvec3 &position = ground_positions[i];
+		add(surface, i, planet.above(position, max_offset), planet.above(position, -max_offset));
 	}
 }
 

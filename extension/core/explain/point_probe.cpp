@@ -28,11 +28,11 @@ Status PointProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> 
 		points.neighbors = layer.neighbors;
 		points.spacing_fills = true;
 		filter_.set(points);
-		const Rect around = point_area(set_, area);
-		if (const double count = filter_.points_around(around); count > max_probed_points) {
+		const Rect search_area = point_area(set_, area);
+		if (const double count = filter_.points_around(search_area); count > max_probed_points) {
 			return Status::too_many_points("rect", count, max_probed_points);
 		}
-		const Status status = filter_.sample(around, nullptr, nullptr);
+		const Status status = filter_.sample(search_area, nullptr, nullptr);
 		return status.ok() ? gather() : status;
 	});
 }
@@ -44,12 +44,12 @@ Status PointProbe::find_in_rows(const LayerSettings &layer, std::span<const glm:
 		if (!area.finite()) {
 			return Status{ErrorCode::not_finite, "positions", area.min.x};
 		}
-		std::vector<SamplePoint> all;
+		std::vector<SamplePoint> row_points;
 		Status status;
 		if (layer.rows != nullptr) {
-			status = layer.rows->sample(layer.set, point_area(layer.set, area), all);
+			status = layer.rows->sample(layer.set, point_area(layer.set, area), row_points);
 		}
-		nearest_among(all, layer.set, positions, points_);
+		nearest_among(row_points, layer.set, positions, points_);
 		return status;
 	});
 }
@@ -72,13 +72,14 @@ Status PointProbe::gather() {
 		filter_.add_queries(positions_, queries_);
 		return {};
 	}
-	const LayerFilter &own = filter_.own();
-	std::vector<SamplePoint> all;
-	for (std::size_t i = 0; i < own.positions().size(); ++i) {
-		const std::uint32_t rank = own.ranks()[i];
-		all.push_back({own.positions()[i], own.ids()[i], rank, level_of_rank(set_.levels, rank)});
+	const LayerFilter &layer_filter = filter_.own();
+	std::vector<SamplePoint> candidates;
+	for (std::size_t i = 0; i < layer_filter.positions().size(); ++i) {
+		const std::uint32_t rank = layer_filter.ranks()[i];
+		candidates.push_back(
+				{layer_filter.positions()[i], layer_filter.ids()[i], rank, level_of_rank(set_.levels, rank)});
 	}
-	nearest_among(all, set_, targets_, points_);
+	nearest_among(candidates, set_, targets_, points_);
 	return {};
 }
 

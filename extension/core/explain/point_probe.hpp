@@ -26,8 +26,8 @@ public:
 	bool is_complete() const { return !fills_ || filter_.is_complete(); }
 	Status find_further(std::span<const Ground> ground);
 
-	/// Return the positions at which `find_further` needs the ground, and the queries for these
-	/// positions.
+	/// These functions return the positions at which `find_further` needs the ground, and the
+	/// queries for these positions.
 	std::span<const glm::dvec2> positions() const { return positions_; }
 	std::span<const GroundQuery> queries() const { return queries_; }
 

@@ -18,7 +18,7 @@ namespace thicket {
 
 namespace {
 
-Status rule(const DensityProbe &probe, std::size_t index, RuleResult &r_result) {
+Status evaluate_rules(const DensityProbe &probe, std::size_t index, RuleResult &r_result) {
 	r_result.ground = probe.ground_at(index);
 	const Status status = probe.factors_at(index, r_result.factors);
 	r_result.density = product_of(r_result.factors);
@@ -46,12 +46,12 @@ Status PositionExplainer::find(
 	if (!std::isfinite(position.y)) {
 		return {ErrorCode::not_finite, "position", position.y};
 	}
-	const Surface *grown = layer.hosted ? models : surface;
-	if (grown == nullptr) {
+	const Surface *host_surface = layer.hosted ? models : surface;
+	if (host_surface == nullptr) {
 		return layer.hosted ? Status::missing("model of surface_layers", "Explain a position on a model")
 							: Status::missing("surface of the ground", "Use a ground of meshes");
 	}
-	return guarded("position", position.x, [&] { return find_on_surface(layer, position, *grown, surface); });
+	return guarded("position", position.x, [&] { return find_on_surface(layer, position, *host_surface, surface); });
 }
 
 Status PositionExplainer::find_on_top(const LayerSettings &layer, glm::dvec2 position, const Surface *surface) {
@@ -90,55 +90,55 @@ Status PositionExplainer::find_further(std::span<const Ground> ground) {
 	return status.ok() && points_.is_complete() ? probe_on_top(layer_) : status;
 }
 
-/// Prepares the explanation of a position on `grown`, the surface on which the layer grows.
+/// Prepares the explanation of a position on `host_surface`, the surface on which the layer grows.
 /// `ground_surface` is the surface of the ground, on which other layers may grow; null if there is
 /// none.
-Status PositionExplainer::find_on_surface(
-		const LayerSettings &layer, const glm::dvec3 &position, const Surface &grown, const Surface *ground_surface) {
+Status PositionExplainer::find_on_surface(const LayerSettings &layer, const glm::dvec3 &position,
+		const Surface &host_surface, const Surface *ground_surface) {
 	points_.clear();
 	has_point_ = true;
 	const double radius = layer.set.radius;
-	const SurfacePosition here = nearest_position(grown, position, radius);
-	if (!(glm::distance(here.position, position) <= radius)) {
+	const SurfacePosition hit = nearest_position(host_surface, position, radius);
+	if (!(glm::distance(hit.position, position) <= radius)) {
 		return Status::missing(layer.hosted ? "model of surface_layers" : "surface of the ground",
 				"Explain a position that is nearer than the radius to a surface");
 	}
 	SurfaceSampler sampler(layer.hosted ? host_margins : SampleMargins());
 	std::vector<SurfacePoint> points;
-	const Box3 around{here.position - 1.5 * radius, here.position + 1.5 * radius};
-	Status status = sampler.sample(layer.set, grown, around, points);
+	const Box3 search_box{hit.position - 1.5 * radius, hit.position + 1.5 * radius};
+	Status status = sampler.sample(layer.set, host_surface, search_box, points);
 	if (status.ok() && points.empty()) {
 		// The slope limits may exclude all faces here. A point on an excluded face is then
 		// explained, so that the factor of its slope shows the reason.
-		PointSet all = layer.set;
-		all.faces = SurfaceFaces::all;
-		status = sampler.sample(all, grown, around, points);
+		PointSet unlimited_set = layer.set;
+		unlimited_set.faces = SurfaceFaces::all;
+		status = sampler.sample(unlimited_set, host_surface, search_box, points);
 	}
 	if (!status.ok()) {
 		return status;
 	}
 	const auto nearest = std::ranges::min_element(points, {}, [&](const SurfacePoint &point) {
-		return std::pair(glm::distance(point.position, here.position), point.id);
+		return std::pair(glm::distance(point.position, hit.position), point.id);
 	});
 	if (nearest == points.end()) {
 		return Status::missing("points of the set", "Explain a position on a larger surface");
 	}
 	const glm::dvec2 point_position(nearest->position.x, nearest->position.z);
 	point_ = {point_position, nearest->id, nearest->rank, nearest->level};
-	distance_ = glm::distance(nearest->position, here.position);
-	const std::array<glm::dvec2, 2> positions{glm::dvec2(here.position.x, here.position.z), point_position};
-	const std::array<Ground, 2> ground{Ground{static_cast<float>(here.position.y), glm::vec3(here.normal)},
+	distance_ = glm::distance(nearest->position, hit.position);
+	const std::array<glm::dvec2, 2> positions{glm::dvec2(hit.position.x, hit.position.z), point_position};
+	const std::array<Ground, 2> ground{Ground{static_cast<float>(hit.position.y), glm::vec3(hit.normal)},
 			Ground{static_cast<float>(nearest->position.y), glm::vec3(nearest->normal)}};
-	return probe_.find(layer, positions, true, ground_surface, ground, &grown);
+	return probe_.find(layer, positions, true, ground_surface, ground, &host_surface);
 }
 
 Status PositionExplainer::explain(std::span<const Ground> ground, PositionExplanation &r_explanation) {
 	Status status = probe_.evaluate(ground);
 	if (status.ok()) {
-		status = rule(probe_, 0, r_explanation.at_position);
+		status = evaluate_rules(probe_, 0, r_explanation.at_position);
 	}
 	if (status.ok()) {
-		status = rule(probe_, 1, r_explanation.at_point);
+		status = evaluate_rules(probe_, 1, r_explanation.at_point);
 	}
 	if (status.ok()) {
 		r_explanation.point = point_;

@@ -41,7 +41,7 @@ struct PositionExplanation {
 	std::size_t mesh = 0; ///< Index of the mesh that an instance at the point gets.
 
 	/// Returns true if the rules allow an instance at the position itself.
-	bool allowed() const { return at_position.density > 0.0; }
+	bool is_allowed() const { return at_position.density > 0.0; }
 
 	/// Returns true if the rules keep the point. The point is then an instance, unless a game has
 	/// removed it.
@@ -62,7 +62,8 @@ public:
 	Status find(const LayerSettings &layer, const glm::dvec3 &position, const Surface *surface = nullptr,
 			const Surface *models = nullptr);
 
-	/// Continue `find` with the ground at positions(); see TileBuilder::find_further.
+	/// These functions continue `find` with the ground at positions(); see
+	/// TileBuilder::find_further.
 	bool is_complete() const { return points_.is_complete() && probe_.is_complete(); }
 	Status find_further(std::span<const Ground> ground);
 
@@ -79,7 +80,7 @@ public:
 
 private:
 	Status find_on_top(const LayerSettings &layer, glm::dvec2 position, const Surface *surface);
-	Status find_on_surface(const LayerSettings &layer, const glm::dvec3 &position, const Surface &grown,
+	Status find_on_surface(const LayerSettings &layer, const glm::dvec3 &position, const Surface &host_surface,
 			const Surface *ground_surface);
 
 	Status probe_on_top(const LayerSettings &layer);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::string fixed(double number, int digits) {
+std::string fixed_text(double number, int digits) {
 	std::array<char, 400> text{};
 	std::snprintf(text.data(), text.size(), "%.*f", digits, number);
 	std::string result = text.data();
@@ -25,11 +25,11 @@ std::string fixed(double number, int digits) {
 std::string percent(double fraction) {
 	// A tiny fraction is not displayed as 0 %, and a fraction just below 1 not as 100 %.
 	const double percentage = std::clamp(fraction * 100.0, fraction > 0.0 ? 0.1 : 0.0, fraction < 1.0 ? 99.9 : 100.0);
-	return fixed(percentage, percentage < 1.0 || percentage > 99.0 ? 1 : 0) + " %";
+	return fixed_text(percentage, percentage < 1.0 || percentage > 99.0 ? 1 : 0) + " %";
 }
 
-std::string name_at(const std::vector<std::string> &names, std::size_t index, const char *otherwise) {
-	return index < names.size() && !names[index].empty() ? names[index] : std::string(otherwise);
+std::string name_at(const std::vector<std::string> &names, std::size_t index, const char *fallback) {
+	return index < names.size() && !names[index].empty() ? names[index] : std::string(fallback);
 }
 
 /// Returns the required range in words, with enough digits to distinguish its limits from `value`.
@@ -48,10 +48,10 @@ std::string leaves(double density) {
 	return density > 0.0 && density < 1.0 ? " The rule permits " + percent(density) + " of the instances." : "";
 }
 
-void describe_range(const char *what, const char *unit, const RuleFactor &factor, RuleMessage &r_message) {
+void describe_range(const char *quantity, const char *unit, const RuleFactor &factor, RuleMessage &r_message) {
 	const double limit = factor.value < r_message.min ? r_message.min : r_message.max;
-	r_message.message = std::string(what) + " is " + number_text(factor.value, limit) + unit + "; the layer requires " +
-			range_text(r_message, factor.value, unit) + "." + leaves(factor.density);
+	r_message.message = std::string(quantity) + " is " + number_text(factor.value, limit) + unit +
+			"; the layer requires " + range_text(r_message, factor.value, unit) + "." + leaves(factor.density);
 }
 
 void describe_height(const RuleFactor &factor, const Rules &rules, RuleMessage &r_message) {
@@ -188,15 +188,15 @@ std::string number_text(double number, double other) {
 	const double size = std::abs(number);
 	int digits = size >= 1000.0 ? 0 : size >= 100.0 ? 1 : 2;
 	constexpr int max_digits = 9;
-	while (digits < max_digits && number != other && fixed(number, digits) == fixed(other, digits)) {
+	while (digits < max_digits && number != other && fixed_text(number, digits) == fixed_text(other, digits)) {
 		++digits;
 	}
-	return fixed(number, digits);
+	return fixed_text(number, digits);
 }
 
 std::string distance_text(double meters) {
-	constexpr double nothing = 0.01;
-	return meters < nothing ? "here" : number_text(meters) + " m away";
+	constexpr double min_distance = 0.01;
+	return meters < min_distance ? "here" : number_text(meters) + " m away";
 }
 
 RuleMessage describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names) {
@@ -247,10 +247,10 @@ namespace {
 /// Returns, for example, " (biome("Forest") is 0.35)", or an empty text if there are no inputs.
 std::string inputs_text(const std::vector<MeshShare::Input> &inputs) {
 	std::string text;
-	for (const MeshShare::Input &each : inputs) {
-		const double value = each.value;
-		const bool is_far = each.input.kind == WorldInputKind::distance && value >= each.input.max_distance;
-		text += (text.empty() ? " (" : ", ") + text_of(each.input) + " is " + (is_far ? "at least " : "") +
+	for (const MeshShare::Input &input : inputs) {
+		const double value = input.value;
+		const bool is_far = input.input.kind == WorldInputKind::distance && value >= input.input.max_distance;
+		text += (text.empty() ? " (" : ", ") + text_of(input.input) + " is " + (is_far ? "at least " : "") +
 				number_text(value);
 	}
 	return text.empty() ? text : text + ")";
@@ -261,7 +261,7 @@ std::string inputs_text(const std::vector<MeshShare::Input> &inputs) {
 std::string describe_mesh(const PositionExplanation &explanation, std::size_t mesh, const std::string &name) {
 	const MeshShare &share = explanation.meshes[mesh];
 	const bool falls_back = std::ranges::none_of(
-			explanation.meshes, [](const MeshShare &each) { return each.weight * each.density > 0.0; });
+			explanation.meshes, [](const MeshShare &other) { return other.weight * other.density > 0.0; });
 	const bool is_this = explanation.mesh == mesh && explanation.is_placed();
 	return name + (is_this ? " (this instance)" : "") + ": weight " + number_text(share.weight) + " × " +
 			number_text(share.density) +
@@ -270,14 +270,14 @@ std::string describe_mesh(const PositionExplanation &explanation, std::size_t me
 }
 
 RuleVerdict judge(const PositionExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
-	const auto refused_by = [&](const RuleResult &result) {
+	const auto limiting_rule = [&](const RuleResult &result) {
 		const RuleFactor *strictest_factor = strictest(result.factors);
 		return strictest_factor != nullptr ? describe(*strictest_factor, layer, names)
 										   : RuleMessage{.rule = "density", .message = ""};
 	};
-	if (!explanation.allowed()) {
-		const RuleMessage no = refused_by(explanation.at_position);
-		return {false, no.rule, no.message};
+	if (!explanation.is_allowed()) {
+		const RuleMessage limit = limiting_rule(explanation.at_position);
+		return {false, limit.rule, limit.message};
 	}
 	if (explanation.is_placed()) {
 		return {true, "", "Placed " + distance_text(explanation.distance) + "."};
@@ -289,10 +289,10 @@ RuleVerdict judge(const PositionExplanation &explanation, const LayerSettings &l
 	if (explanation.at_point.density > 0.0) {
 		return {false, "rank", rank_text(explanation, layer, names)};
 	}
-	const RuleMessage no = refused_by(explanation.at_point);
-	return {false, no.rule,
+	const RuleMessage limit = limiting_rule(explanation.at_point);
+	return {false, limit.rule,
 			"Allowed here, but not at the nearest point of the set, " + distance_text(explanation.distance) + ": " +
-					no.message};
+					limit.message};
 }
 
 } // namespace thicket

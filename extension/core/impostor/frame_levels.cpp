@@ -26,7 +26,7 @@ public:
 	}
 
 	/// Returns the mean. `full_coverage` is the total coverage if all pixels are fully covered.
-	FramePixel of(float full_coverage) const {
+	FramePixel result(float full_coverage) const {
 		if (sum_.coverage <= 0.0F) {
 			return {};
 		}
@@ -43,8 +43,8 @@ private:
 } // namespace
 
 FrameLevels::FrameLevels(int side) : side_(side) {
-	for (int at = side; at > 0; at /= 2) {
-		levels_.emplace_back(static_cast<std::size_t>(at) * static_cast<std::size_t>(at));
+	for (int level_side = side; level_side > 0; level_side /= 2) {
+		levels_.emplace_back(static_cast<std::size_t>(level_side) * static_cast<std::size_t>(level_side));
 	}
 }
 
@@ -60,7 +60,7 @@ void FrameLevels::take(const FrameRaster &raster) {
 
 void FrameLevels::average(const FrameRaster &raster) {
 	const int ratio = raster.side() / side_;
-	const auto all = static_cast<float>(ratio * ratio);
+	const auto sample_count = static_cast<float>(ratio * ratio);
 	for (int y = 0; y < side_; ++y) {
 		for (int x = 0; x < side_; ++x) {
 			Mean mean;
@@ -72,38 +72,38 @@ void FrameLevels::average(const FrameRaster &raster) {
 					}
 				}
 			}
-			levels_[0][pixel_index(x, y, side_)] = mean.of(all);
+			levels_[0][pixel_index(x, y, side_)] = mean.result(sample_count);
 		}
 	}
 }
 
 void FrameLevels::shrink(int level) {
-	const int to = side(level);
-	const int from = side(level - 1);
+	const int level_side = side(level);
+	const int finer_side = side(level - 1);
 	const std::vector<FramePixel> &finer = levels_[static_cast<std::size_t>(level - 1)];
-	for (int y = 0; y < to; ++y) {
-		for (int x = 0; x < to; ++x) {
+	for (int y = 0; y < level_side; ++y) {
+		for (int x = 0; x < level_side; ++x) {
 			Mean mean;
 			for (const int row : {2 * y, 2 * y + 1}) {
 				for (const int column : {2 * x, 2 * x + 1}) {
-					const FramePixel &pixel = finer[pixel_index(column, row, from)];
+					const FramePixel &pixel = finer[pixel_index(column, row, finer_side)];
 					mean.add(pixel.color, pixel.normal, pixel.depth, pixel.coverage);
 				}
 			}
-			levels_[static_cast<std::size_t>(level)][pixel_index(x, y, to)] = mean.of(4.0F);
+			levels_[static_cast<std::size_t>(level)][pixel_index(x, y, level_side)] = mean.result(4.0F);
 		}
 	}
 }
 
 /// Fills holes from the next coarser level, whose holes must be filled already.
 void FrameLevels::fill_holes(int level) {
-	const int at = side(level);
+	const int level_side = side(level);
 	const std::vector<FramePixel> &coarser = levels_[static_cast<std::size_t>(level + 1)];
-	for (int y = 0; y < at; ++y) {
-		for (int x = 0; x < at; ++x) {
-			FramePixel &pixel = levels_[static_cast<std::size_t>(level)][pixel_index(x, y, at)];
+	for (int y = 0; y < level_side; ++y) {
+		for (int x = 0; x < level_side; ++x) {
+			FramePixel &pixel = levels_[static_cast<std::size_t>(level)][pixel_index(x, y, level_side)];
 			if (pixel.coverage <= 0.0F) {
-				pixel = coarser[pixel_index(x / 2, y / 2, at / 2)];
+				pixel = coarser[pixel_index(x / 2, y / 2, level_side / 2)];
 				pixel.coverage = 0.0F;
 			}
 		}

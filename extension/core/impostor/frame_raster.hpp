@@ -25,7 +25,7 @@ struct FrameSample {
 
 /// The square region that a frame shows.
 struct FrameView {
-	PictureAxes axes;
+	ViewAxes axes;
 	glm::vec3 center{0.0F};
 	float radius = 1.0F; ///< Half of the width in meters; above 0, and large enough to enclose all triangles.
 	/// Samples along each edge of a pixel. Mipmap levels are chosen per pixel, as in the engine.

@@ -31,26 +31,26 @@ Status check_surfaces(std::span<const ImpostorSurface> surfaces) {
 
 /// Computes the bounding box and the bounding sphere of the corners of all triangles.
 void measure(std::span<const ImpostorSurface> surfaces, Impostor &r_impostor) {
-	bool first = true;
-	const auto each_corner = [&](auto &&visit) {
+	bool is_first = true;
+	const auto for_each_corner = [&](auto &&visit) {
 		for (const ImpostorSurface &surface : surfaces) {
 			for (const std::uint32_t index : surface.indices) {
 				visit(surface.positions[index]);
 			}
 		}
 	};
-	each_corner([&](const glm::vec3 &corner) {
-		r_impostor.min = first ? corner : glm::min(r_impostor.min, corner);
-		r_impostor.max = first ? corner : glm::max(r_impostor.max, corner);
-		first = false;
+	for_each_corner([&](const glm::vec3 &corner) {
+		r_impostor.min = is_first ? corner : glm::min(r_impostor.min, corner);
+		r_impostor.max = is_first ? corner : glm::max(r_impostor.max, corner);
+		is_first = false;
 	});
 	r_impostor.center = (r_impostor.min + r_impostor.max) * 0.5F;
-	float square = 0.0F;
-	each_corner([&](const glm::vec3 &corner) {
-		const glm::vec3 arm = corner - r_impostor.center;
-		square = glm::max(square, glm::dot(arm, arm));
+	float squared_radius = 0.0F;
+	for_each_corner([&](const glm::vec3 &corner) {
+		const glm::vec3 offset = corner - r_impostor.center;
+		squared_radius = glm::max(squared_radius, glm::dot(offset, offset));
 	});
-	r_impostor.radius = std::sqrt(square);
+	r_impostor.radius = std::sqrt(squared_radius);
 }
 
 /// Returns the colors by which the texture of a surface is multiplied, one per vertex.
@@ -61,17 +61,17 @@ std::vector<glm::vec4> tints_of(const ImpostorSurface &surface) {
 		return tints;
 	}
 	const SrgbCurve &curve = SrgbCurve::get();
-	for (std::size_t at = 0; at < tints.size(); ++at) {
-		glm::vec4 color = surface.colors[at];
+	for (std::size_t vertex = 0; vertex < tints.size(); ++vertex) {
+		glm::vec4 color = surface.colors[vertex];
 		if (material.vertex_colors == VertexColors::srgb) {
 			color = {curve.linear(color.r), curve.linear(color.g), curve.linear(color.b), color.a};
 		}
-		tints[at] *= color;
+		tints[vertex] *= color;
 	}
 	return tints;
 }
 
-Status take_pictures(std::span<const ImpostorSurface> surfaces, const Progress &progress, Impostor &r_impostor) {
+Status render_frames(std::span<const ImpostorSurface> surfaces, const Progress &progress, Impostor &r_impostor) {
 	const ImpostorSettings &settings = r_impostor.settings;
 	std::vector<std::vector<glm::vec4>> tints;
 	for (const ImpostorSurface &surface : surfaces) {
@@ -81,16 +81,16 @@ Status take_pictures(std::span<const ImpostorSurface> surfaces, const Progress &
 	FrameLevels frame(settings.frame_size);
 	ImpostorAtlas atlas(settings);
 	const int count = settings.frames * settings.frames;
-	for (int at = 0; at < count; ++at) {
+	for (int index = 0; index < count; ++index) {
 		if (progress.cancelled()) {
 			return {ErrorCode::cancelled, "impostor"};
 		}
-		const int column = at % settings.frames;
-		const int row = at / settings.frames;
+		const int column = index % settings.frames;
+		const int row = index / settings.frames;
 		const glm::vec2 position = glm::vec2(static_cast<float>(2 * column), static_cast<float>(2 * row)) /
 						static_cast<float>(settings.frames - 1) -
 				1.0F;
-		const FrameView view{picture_axes(octahedral_direction(position, settings.span)), r_impostor.center,
+		const FrameView view{view_axes(octahedral_direction(position, settings.span)), r_impostor.center,
 				r_impostor.radius, settings.samples};
 		raster.clear();
 		for (std::size_t surface = 0; surface < surfaces.size(); ++surface) {
@@ -99,7 +99,7 @@ Status take_pictures(std::span<const ImpostorSurface> surfaces, const Progress &
 		frame.take(raster);
 		atlas.put(column, row, frame);
 		if (progress.report) {
-			progress.report(static_cast<double>(at + 1) / count, static_cast<std::uint64_t>(at) + 1);
+			progress.report(static_cast<double>(index + 1) / count, static_cast<std::uint64_t>(index) + 1);
 		}
 	}
 	atlas.finish();
@@ -139,7 +139,7 @@ Status bake_impostor(std::span<const ImpostorSurface> surfaces, const ImpostorSe
 		if (!(result.radius > 0.0F)) {
 			return {ErrorCode::not_positive, "radius", result.radius, {}, {}, "Use surfaces that have a size above 0"};
 		}
-		const Status status = take_pictures(surfaces, progress, result);
+		const Status status = render_frames(surfaces, progress, result);
 		if (status.ok()) {
 			r_impostor = std::move(result);
 		}

@@ -34,7 +34,7 @@ Status validate(const ImpostorSettings &settings);
 
 /// Views of a model from all around, in orthogonal projection, in a square atlas of frames x
 /// frames. The frame in column c and row r (from the top) shows the model from
-/// octahedral_direction(2 * (c, r) / (frames - 1) - 1). A frame's axes come from picture_axes(). A
+/// octahedral_direction(2 * (c, r) / (frames - 1) - 1). A frame's axes come from view_axes(). A
 /// frame covers the square that encloses the model's bounding sphere.
 ///
 /// The idea is from Ryan Brucks, *Octahedral Impostors*, 2018.

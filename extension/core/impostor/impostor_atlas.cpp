@@ -9,28 +9,28 @@ namespace thicket {
 namespace {
 
 /// The minimum alpha of a covered pixel.
-constexpr std::size_t half = 128;
+constexpr std::size_t min_covered_alpha = 128;
 
 using Histogram = std::array<std::size_t, 256>;
 
 Histogram alphas_of(std::span<const std::uint8_t> rgba) {
 	Histogram counts{};
-	for (std::size_t at = 3; at < rgba.size(); at += 4) {
-		++counts[rgba[at]];
+	for (std::size_t byte = 3; byte < rgba.size(); byte += 4) {
+		++counts[rgba[byte]];
 	}
 	return counts;
 }
 
 /// Returns the alpha threshold that a given fraction of all pixels reaches, as closely as possible.
 std::size_t threshold_for(const Histogram &counts, std::size_t pixels, double fraction) {
-	const double wanted = fraction * static_cast<double>(pixels);
-	double reached = 0.0;
+	const double target_count = fraction * static_cast<double>(pixels);
+	double count = 0.0;
 	for (std::size_t alpha = 255; alpha > 0; --alpha) {
-		const double more = reached + static_cast<double>(counts[alpha]);
-		if (more >= wanted) {
-			return more - wanted <= wanted - reached || alpha == 255 ? alpha : alpha + 1;
+		const double next_count = count + static_cast<double>(counts[alpha]);
+		if (next_count >= target_count) {
+			return next_count - target_count <= target_count - count || alpha == 255 ? alpha : alpha + 1;
 		}
-		reached = more;
+		count = next_count;
 	}
 	return 1;
 }
@@ -54,21 +54,21 @@ void ImpostorAtlas::put(int column, int row, const FrameLevels &frame) {
 	const SrgbCurve &curve = SrgbCurve::get();
 	for (int level = 0; level < whole_levels_; ++level) {
 		const int side = frame.side(level);
-		const Level &to = levels_[static_cast<std::size_t>(level)];
+		const Level &atlas_level = levels_[static_cast<std::size_t>(level)];
 		const FramePixel *pixel = frame.level(level).data();
 		for (int y = 0; y < side; ++y) {
-			std::size_t at = to.first +
+			std::size_t byte = atlas_level.first +
 					4 *
-							(static_cast<std::size_t>(row * side + y) * static_cast<std::size_t>(to.side) +
+							(static_cast<std::size_t>(row * side + y) * static_cast<std::size_t>(atlas_level.side) +
 									static_cast<std::size_t>(column * side));
-			for (int x = 0; x < side; ++x, ++pixel, at += 4) {
+			for (int x = 0; x < side; ++x, ++pixel, byte += 4) {
 				for (int axis = 0; axis < 3; ++axis) {
-					const std::size_t channel = at + static_cast<std::size_t>(axis);
-					albedo_[channel] = curve.stored(pixel->color[axis]);
+					const std::size_t channel = byte + static_cast<std::size_t>(axis);
+					albedo_[channel] = curve.encoded(pixel->color[axis]);
 					normal_[channel] = unit_byte(pixel->normal[axis] * 0.5F + 0.5F);
 				}
-				albedo_[at + 3] = unit_byte(pixel->coverage);
-				normal_[at + 3] = unit_byte(pixel->depth * 0.5F + 0.5F);
+				albedo_[byte + 3] = unit_byte(pixel->coverage);
+				normal_[byte + 3] = unit_byte(pixel->depth * 0.5F + 0.5F);
 			}
 		}
 	}
@@ -83,16 +83,17 @@ void ImpostorAtlas::finish() {
 		return static_cast<std::size_t>(level.side) * static_cast<std::size_t>(level.side);
 	};
 	const Histogram finest = alphas_of(albedo_of(levels_[0]));
-	std::size_t covered = 0;
-	for (std::size_t alpha = half; alpha < finest.size(); ++alpha) {
-		covered += finest[alpha];
+	std::size_t covered_count = 0;
+	for (std::size_t alpha = min_covered_alpha; alpha < finest.size(); ++alpha) {
+		covered_count += finest[alpha];
 	}
-	const double fraction = static_cast<double>(covered) / static_cast<double>(pixels_of(levels_[0]));
-	for (std::size_t at = 1; at < levels_.size(); ++at) {
-		const std::span<std::uint8_t> rgba = albedo_of(levels_[at]);
-		const std::size_t threshold = threshold_for(alphas_of(rgba), pixels_of(levels_[at]), fraction);
+	const double fraction = static_cast<double>(covered_count) / static_cast<double>(pixels_of(levels_[0]));
+	for (std::size_t level = 1; level < levels_.size(); ++level) {
+		const std::span<std::uint8_t> rgba = albedo_of(levels_[level]);
+		const std::size_t threshold = threshold_for(alphas_of(rgba), pixels_of(levels_[level]), fraction);
 		for (std::size_t alpha = 3; alpha < rgba.size(); alpha += 4) {
-			rgba[alpha] = static_cast<std::uint8_t>(std::min<std::size_t>(rgba[alpha] * half / threshold, 255));
+			rgba[alpha] =
+					static_cast<std::uint8_t>(std::min<std::size_t>(rgba[alpha] * min_covered_alpha / threshold, 255));
 		}
 	}
 }

@@ -14,16 +14,16 @@ namespace thicket {
 
 namespace {
 
-constexpr double farthest_vertex = 1e6; // Maximum absolute coordinate of a vertex in meters.
+constexpr double max_component = 1e6; // Maximum absolute value of coordinates (in meters) and other components.
 
 template <class Vector>
-Status check_vectors(const char *property, std::span<const Vector> vectors, std::size_t count, double largest) {
+Status check_vectors(const char *property, std::span<const Vector> vectors, std::size_t count, double max) {
 	if (!vectors.empty() && vectors.size() != count) {
 		return Status::wrong_size(property, vectors.size(), exactly(count, "one per vertex"));
 	}
 	for (const Vector &vector : vectors) {
 		for (int axis = 0; axis < Vector::length(); ++axis) {
-			if (const Status status = check_range(property, vector[axis], -largest, largest); !status.ok()) {
+			if (const Status status = check_range(property, vector[axis], -max, max); !status.ok()) {
 				return status;
 			}
 		}
@@ -47,8 +47,8 @@ void ImpostorSurface::transform(const glm::mat3 &basis, glm::vec3 offset) {
 		const float length = std::sqrt(glm::dot(transformed, transformed));
 		normal = length > 0.0F ? transformed / length : normal;
 	}
-	for (std::size_t at = 0; mirrors && at + 2 < indices.size(); at += 3) {
-		std::swap(indices[at + 1], indices[at + 2]);
+	for (std::size_t i = 0; mirrors && i + 2 < indices.size(); i += 3) {
+		std::swap(indices[i + 1], indices[i + 2]);
 	}
 }
 
@@ -63,13 +63,13 @@ Status ImpostorSurface::check() const {
 		}
 	}
 	const std::size_t count = positions.size();
-	Status status = first_failure(check_vectors<glm::vec3>("vertices", positions, count, farthest_vertex),
-			check_vectors<glm::vec3>("normals", normals, count, farthest_vertex),
-			check_vectors<glm::vec2>("uvs", uvs, count, farthest_vertex),
-			check_vectors<glm::vec4>("colors", colors, count, farthest_vertex),
+	Status status = first_failure(check_vectors<glm::vec3>("vertices", positions, count, max_component),
+			check_vectors<glm::vec3>("normals", normals, count, max_component),
+			check_vectors<glm::vec2>("uvs", uvs, count, max_component),
+			check_vectors<glm::vec4>("colors", colors, count, max_component),
 			check_range("alpha_threshold", material.alpha_threshold, 0.0, 1.0));
 	for (int channel = 0; channel < 4 && status.ok(); ++channel) {
-		status = check_range("albedo", material.albedo[channel], 0.0, farthest_vertex);
+		status = check_range("albedo", material.albedo[channel], 0.0, max_component);
 	}
 	return status;
 }

@@ -33,7 +33,7 @@ struct ImpostorMaterial {
 	std::shared_ptr<const SurfaceTexture> texture; ///< Null if there is no texture.
 	/// Samples with a lower alpha are empty. 0 to 1; 0 ignores alpha.
 	float alpha_threshold = 0.0F;
-	CulledSide culled = CulledSide::back;
+	CulledSide culled_side = CulledSide::back;
 	VertexColors vertex_colors = VertexColors::unused;
 };
 

@@ -31,14 +31,14 @@ glm::vec3 octahedral_direction(glm::vec2 position, OctahedralSpan span) {
 	return point / std::sqrt(glm::dot(point, point));
 }
 
-PictureAxes picture_axes(glm::vec3 toward) {
-	const float horizontal = toward.x * toward.x + toward.z * toward.z;
+ViewAxes view_axes(glm::vec3 to_viewer) {
+	const float horizontal = to_viewer.x * to_viewer.x + to_viewer.z * to_viewer.z;
 	glm::vec3 right(1.0F, 0.0F, 0.0F);
 	if (horizontal >= min_horizontal) {
 		const float length = std::sqrt(horizontal);
-		right = {toward.z / length, 0.0F, -toward.x / length};
+		right = {to_viewer.z / length, 0.0F, -to_viewer.x / length};
 	}
-	return {right, glm::cross(toward, right), toward};
+	return {right, glm::cross(to_viewer, right), to_viewer};
 }
 
 } // namespace thicket

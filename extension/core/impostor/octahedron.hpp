@@ -18,14 +18,14 @@ enum class OctahedralSpan : bool {
 glm::vec3 octahedral_direction(glm::vec2 position, OctahedralSpan span);
 
 /// The axes of a frame: orthogonal unit vectors.
-struct PictureAxes {
+struct ViewAxes {
 	glm::vec3 right;
 	glm::vec3 up;
-	glm::vec3 toward; ///< Points to the viewer.
+	glm::vec3 to_viewer; ///< Points to the viewer.
 };
 
 /// Returns the axes for a unit direction toward the viewer. `up` is as close to y as possible. If
 /// the viewer is exactly above or below, `right` is the x axis.
-PictureAxes picture_axes(glm::vec3 toward);
+ViewAxes view_axes(glm::vec3 to_viewer);
 
 } // namespace thicket

@@ -12,14 +12,14 @@ public:
 	/// Returns the shared instance, which the first call creates. Any thread may call it.
 	static const SrgbCurve &get();
 
-	/// Converts a stored byte to a linear value, 0 to 1, within 1e-6 of the true value.
-	float linear(std::uint8_t stored) const { return linear_[stored]; }
+	/// Converts an sRGB byte to a linear value, 0 to 1, within 1e-6 of the true value.
+	float linear(std::uint8_t encoded) const { return linear_[encoded]; }
 
-	/// Converts a stored value to a linear value. Values are clamped to 0 to 1, and NAN returns 0.
-	float linear(float stored) const;
+	/// Converts an sRGB value to a linear value. Values are clamped to 0 to 1, and NAN returns 0.
+	float linear(float encoded) const;
 
 	/// Returns the byte whose linear value is nearest, or 0 for NAN.
-	std::uint8_t stored(float linear) const;
+	std::uint8_t encoded(float linear) const;
 
 private:
 	SrgbCurve();

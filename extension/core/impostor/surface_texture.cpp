@@ -19,9 +19,9 @@ float wrapped(float coordinate, int count) {
 	if (!(coordinate > -farthest && coordinate < farthest)) {
 		return 0.0F;
 	}
-	const auto whole = static_cast<int>(coordinate);
-	const float part = coordinate - static_cast<float>(whole);
-	const float unit = part < 0.0F ? part + 1.0F : part;
+	const auto integer_part = static_cast<int>(coordinate);
+	const float fraction = coordinate - static_cast<float>(integer_part);
+	const float unit = fraction < 0.0F ? fraction + 1.0F : fraction;
 	return std::min(unit * static_cast<float>(count), static_cast<float>(count) - 1e-3F);
 }
 
@@ -32,18 +32,18 @@ std::size_t SurfaceTexture::Level::byte_offset(int x, int y) const {
 }
 
 Status SurfaceTexture::set(int width, int height, std::span<const std::uint8_t> rgba) {
-	const Status sides = first_failure(check_range("texture", width, 1.0, max_texture_side),
+	const Status size_status = first_failure(check_range("texture", width, 1.0, max_texture_side),
 			check_range("texture", height, 1.0, max_texture_side));
 	const std::size_t count = 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-	if (!sides.ok() || rgba.size() != count) {
-		return sides.ok() ? Status::wrong_size("texture", rgba.size(), exactly(count, "bytes")) : sides;
+	if (!size_status.ok() || rgba.size() != count) {
+		return size_status.ok() ? Status::wrong_size("texture", rgba.size(), exactly(count, "bytes")) : size_status;
 	}
 	return guarded("texture", static_cast<double>(count), [&] {
 		SurfaceTexture texture;
 		texture.levels_.assign(1, {width, height, 0});
 		texture.pixels_.assign(rgba.begin(), rgba.end());
 		while (width > 1 || height > 1) {
-			const Level from = texture.levels_.back();
+			const Level finer = texture.levels_.back();
 			width = std::max(width / 2, 1);
 			height = std::max(height / 2, 1);
 			texture.levels_.push_back({width, height, texture.pixels_.size()});
@@ -51,11 +51,11 @@ Status SurfaceTexture::set(int width, int height, std::span<const std::uint8_t> 
 					texture.pixels_.size() + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 			for (int y = 0; y < height; ++y) {
 				for (int x = 0; x < width; ++x) {
-					const int right = std::min(2 * x + 1, from.width - 1);
-					const int below = std::min(2 * y + 1, from.height - 1);
-					const std::array<std::size_t, 4> pixels{from.byte_offset(2 * x, 2 * y),
-							from.byte_offset(right, 2 * y), from.byte_offset(2 * x, below),
-							from.byte_offset(right, below)};
+					const int right = std::min(2 * x + 1, finer.width - 1);
+					const int below = std::min(2 * y + 1, finer.height - 1);
+					const std::array<std::size_t, 4> pixels{finer.byte_offset(2 * x, 2 * y),
+							finer.byte_offset(right, 2 * y), finer.byte_offset(2 * x, below),
+							finer.byte_offset(right, below)};
 					for (std::size_t channel = 0; channel < 4; ++channel) {
 						int sum = 2; // Starting at 2 rounds the quotient to the nearest integer.
 						for (const std::size_t pixel : pixels) {
@@ -86,22 +86,24 @@ glm::vec4 SurfaceTexture::pixel(const Level &level, int x, int y) const {
 			static_cast<float>(bytes[3]) * (1.0F / 255.0F)};
 }
 
-glm::vec4 SurfaceTexture::sample(glm::vec2 uv, int level) const {
-	const Level &of = levels_[static_cast<std::size_t>(level)];
+glm::vec4 SurfaceTexture::sample(glm::vec2 uv, int level_index) const {
+	const Level &level = levels_[static_cast<std::size_t>(level_index)];
 	// The coordinates are positive, because the casts truncate.
-	const float x = wrapped(uv.x, of.width) + static_cast<float>(of.width) - 0.5F;
-	const float y = wrapped(uv.y, of.height) + static_cast<float>(of.height) - 0.5F;
+	const float x = wrapped(uv.x, level.width) + static_cast<float>(level.width) - 0.5F;
+	const float y = wrapped(uv.y, level.height) + static_cast<float>(level.height) - 0.5F;
 	const auto column = static_cast<int>(x);
 	const auto row = static_cast<int>(y);
-	const float right = x - static_cast<float>(column);
-	const float below = y - static_cast<float>(row);
-	const int left_column = column % of.width;
-	const int right_column = (column + 1) % of.width;
-	const int top_row = row % of.height;
-	const int low_row = (row + 1) % of.height;
-	const glm::vec4 top = pixel(of, left_column, top_row) * (1.0F - right) + pixel(of, right_column, top_row) * right;
-	const glm::vec4 low = pixel(of, left_column, low_row) * (1.0F - right) + pixel(of, right_column, low_row) * right;
-	return top * (1.0F - below) + low * below;
+	const float x_fraction = x - static_cast<float>(column);
+	const float y_fraction = y - static_cast<float>(row);
+	const int left_column = column % level.width;
+	const int right_column = (column + 1) % level.width;
+	const int top_row = row % level.height;
+	const int bottom_row = (row + 1) % level.height;
+	const glm::vec4 top =
+			pixel(level, left_column, top_row) * (1.0F - x_fraction) + pixel(level, right_column, top_row) * x_fraction;
+	const glm::vec4 bottom = pixel(level, left_column, bottom_row) * (1.0F - x_fraction) +
+			pixel(level, right_column, bottom_row) * x_fraction;
+	return top * (1.0F - y_fraction) + bottom * y_fraction;
 }
 
 } // namespace thicket

@@ -30,7 +30,7 @@ public:
 	/// Returns the linear color and alpha at texture coordinates, which are 0 to 1 over the image
 	/// with v down. The function interpolates between the pixel centers of the level. Coordinates
 	/// that are not finite are treated as 0.
-	glm::vec4 sample(glm::vec2 uv, int level) const;
+	glm::vec4 sample(glm::vec2 uv, int level_index) const;
 
 	glm::ivec2 size() const { return {levels_.front().width, levels_.front().height}; }
 

@@ -27,13 +27,13 @@ const Surface *surface_of(const Terrain *terrain) { return terrain != nullptr ? 
 } // namespace
 
 RuleNames LayerExplainer::names_for(const LayerSnapshot &layer) const {
-	RuleNames names{layer.field_names, {}, shapes, layer.density_rule_names};
+	RuleNames names{layer.field_names, {}, shape_names, layer.density_rule_names};
 	for (const Neighbor &neighbor : layer.settings->neighbors) {
-		const auto found = std::ranges::find_if(layers, [&](const SharedSnapshot &other) {
+		const auto entry = std::ranges::find_if(layers, [&](const SharedSnapshot &other) {
 			return other != nullptr && other->settings->set == neighbor.layer->set;
 		});
 		names.neighbors.push_back(
-				found == layers.end() ? "" : name_of(**found, static_cast<std::size_t>(found - layers.begin())));
+				entry == layers.end() ? "" : name_of(**entry, static_cast<std::size_t>(entry - layers.begin())));
 	}
 	return names;
 }
@@ -126,10 +126,11 @@ Status LayerExplainer::sample_densities(
 	const LayerSettings &settings = *layers[layer]->settings;
 	const Surface *surface = surface_of(terrain.get());
 	// Layers that do not grow on surfaces are on the top, and layers on models are elsewhere.
-	const bool on_ground = settings.set.on_surface && !settings.hosted;
-	const std::span<const Ground> known =
-			on_ground ? std::span<const Ground>(samples.ground) : std::span<const Ground>();
-	Status status = probe.find(settings, samples.positions, false, surface, known, on_ground ? surface : nullptr);
+	const bool grows_on_ground = settings.set.on_surface && !settings.hosted;
+	const std::span<const Ground> surface_ground =
+			grows_on_ground ? std::span<const Ground>(samples.ground) : std::span<const Ground>();
+	Status status = probe.find(
+			settings, samples.positions, false, surface, surface_ground, grows_on_ground ? surface : nullptr);
 	if (status.ok()) {
 		status = query_in_steps(terrain.get(), ground, probe, answers);
 	}

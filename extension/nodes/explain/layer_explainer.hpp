@@ -22,7 +22,7 @@ struct LayerExplainer {
 	/// The ground. Null if only the main thread may sample it.
 	std::shared_ptr<const Terrain> terrain;
 	HostedGround ground;
-	std::vector<std::string> shapes; ///< The names of the shapes of the layer to explain next.
+	std::vector<std::string> shape_names; ///< The names of the shapes of the layer to explain next.
 
 	/// Explains the rules of a layer (by index) at a world position, and at the point of the layer
 	/// that is nearest to the position. If PositionExplainer or the ground fails, returns its

@@ -17,34 +17,35 @@ namespace thicket {
 Ref<ScatterExplanation> ScatterExplanation::of(
 		LayerExplanation explanation, const Ref<ScatterLayer> &p_layer, const WorldFrame &frame) {
 	const Ref<ScatterExplanation> result(memnew(ScatterExplanation));
-	result->it_ = std::move(explanation);
+	result->explanation_ = std::move(explanation);
 	result->layer_ = p_layer;
 	result->frame_ = frame;
 	return result;
 }
 
-Vector3 ScatterExplanation::get_position() const { return to_engine(it_.position, frame_); }
+Vector3 ScatterExplanation::get_position() const { return to_engine(explanation_.position, frame_); }
 
 Vector3 ScatterExplanation::get_point_position() const {
-	const float height = it_.rules.at_point.ground.height;
-	const glm::dvec2 at = it_.rules.point.position;
-	return to_engine(glm::dvec3(at.x, std::isfinite(height) ? double{height} : it_.position.y, at.y), frame_);
+	const float height = explanation_.rules.at_point.ground.height;
+	const glm::dvec2 point = explanation_.rules.point.position;
+	return to_engine(
+			glm::dvec3(point.x, std::isfinite(height) ? double{height} : explanation_.position.y, point.y), frame_);
 }
 
 namespace {
 
-/// Returns true if `p_index` is below `p_count`. Otherwise prints an error. `p_note` names the method
-/// that returns the count.
-bool check_below(const char *p_method, int64_t p_index, int64_t p_count, const char *p_note) {
+/// Returns true if `p_index` is below `p_count`. Otherwise prints an error. `p_hint` names the
+/// method that returns the count.
+bool check_below(const char *p_method, int64_t p_index, int64_t p_count, const char *p_hint) {
 	if (p_index >= 0 && p_index < p_count) {
 		return true;
 	}
 	if (p_count == 0) {
 		ERR_PRINT(vformat(
-				"ScatterExplanation.%s has no index %d, because the list is empty; %s", p_method, p_index, p_note));
+				"ScatterExplanation.%s has no index %d, because the list is empty; %s", p_method, p_index, p_hint));
 	} else {
 		report((std::string("ScatterExplanation.") + p_method).c_str(),
-				Status::out_of_range("index", p_index, between(0, p_count - 1, p_note)));
+				Status::out_of_range("index", p_index, between(0, p_count - 1, p_hint)));
 	}
 	return false;
 }
@@ -60,49 +61,52 @@ bool ScatterExplanation::check_mesh(const char *p_method, int64_t p_index) const
 }
 
 double ScatterExplanation::get_mesh_density(int64_t p_index) const {
-	return check_mesh("get_mesh_density", p_index) ? it_.rules.meshes[static_cast<std::size_t>(p_index)].density : 0.0;
+	return check_mesh("get_mesh_density", p_index)
+			? explanation_.rules.meshes[static_cast<std::size_t>(p_index)].density
+			: 0.0;
 }
 
 double ScatterExplanation::get_mesh_probability(int64_t p_index) const {
-	return check_mesh("get_mesh_probability", p_index) ? it_.rules.meshes[static_cast<std::size_t>(p_index)].probability
-													   : 0.0;
+	return check_mesh("get_mesh_probability", p_index)
+			? explanation_.rules.meshes[static_cast<std::size_t>(p_index)].probability
+			: 0.0;
 }
 
 String ScatterExplanation::get_mesh_sentence(int64_t p_index) const {
 	return check_mesh("get_mesh_sentence", p_index)
-			? String::utf8(it_.mesh_messages[static_cast<std::size_t>(p_index)].c_str())
+			? String::utf8(explanation_.mesh_messages[static_cast<std::size_t>(p_index)].c_str())
 			: String();
 }
 
 StringName ScatterExplanation::get_rule_name(int64_t p_index) const {
 	return check_index("get_rule_name", p_index)
-			? StringName(it_.messages[static_cast<std::size_t>(p_index)].rule.c_str())
+			? StringName(explanation_.messages[static_cast<std::size_t>(p_index)].rule.c_str())
 			: StringName();
 }
 
 double ScatterExplanation::get_rule_value(int64_t p_index) const {
 	return check_index("get_rule_value", p_index)
-			? it_.rules.at_position.factors[static_cast<std::size_t>(p_index)].value
+			? explanation_.rules.at_position.factors[static_cast<std::size_t>(p_index)].value
 			: 0.0;
 }
 
 double ScatterExplanation::get_rule_min(int64_t p_index) const {
-	return check_index("get_rule_min", p_index) ? it_.messages[static_cast<std::size_t>(p_index)].min : 0.0;
+	return check_index("get_rule_min", p_index) ? explanation_.messages[static_cast<std::size_t>(p_index)].min : 0.0;
 }
 
 double ScatterExplanation::get_rule_max(int64_t p_index) const {
-	return check_index("get_rule_max", p_index) ? it_.messages[static_cast<std::size_t>(p_index)].max : 0.0;
+	return check_index("get_rule_max", p_index) ? explanation_.messages[static_cast<std::size_t>(p_index)].max : 0.0;
 }
 
 double ScatterExplanation::get_rule_density(int64_t p_index) const {
 	return check_index("get_rule_density", p_index)
-			? it_.rules.at_position.factors[static_cast<std::size_t>(p_index)].density
+			? explanation_.rules.at_position.factors[static_cast<std::size_t>(p_index)].density
 			: 0.0;
 }
 
 String ScatterExplanation::get_rule_sentence(int64_t p_index) const {
 	return check_index("get_rule_sentence", p_index)
-			? String::utf8(it_.messages[static_cast<std::size_t>(p_index)].message.c_str())
+			? String::utf8(explanation_.messages[static_cast<std::size_t>(p_index)].message.c_str())
 			: String();
 }
 

@@ -50,31 +50,31 @@ public:
 			LayerExplanation explanation, const godot::Ref<ScatterLayer> &p_layer, const WorldFrame &frame);
 
 	godot::Ref<ScatterLayer> get_layer() const { return layer_; }
-	godot::String get_layer_name() const { return godot::String::utf8(it_.layer_name.c_str()); }
+	godot::String get_layer_name() const { return godot::String::utf8(explanation_.layer_name.c_str()); }
 	godot::Vector3 get_position() const;
-	godot::String get_reason() const { return godot::String::utf8(it_.verdict.reason.c_str()); }
-	godot::StringName get_refused_by() const { return it_.verdict.rule.c_str(); }
-	double get_density() const { return it_.rules.at_position.density; }
-	bool is_allowed() const { return it_.rules.allowed(); }
-	bool is_standing() const { return it_.is_placed; }
-	bool is_shown() const { return it_.is_drawn; }
+	godot::String get_reason() const { return godot::String::utf8(explanation_.verdict.reason.c_str()); }
+	godot::StringName get_refused_by() const { return explanation_.verdict.rule.c_str(); }
+	double get_density() const { return explanation_.rules.at_position.density; }
+	bool is_allowed() const { return explanation_.rules.is_allowed(); }
+	bool is_standing() const { return explanation_.is_placed; }
+	bool is_shown() const { return explanation_.is_drawn; }
 
 	// These methods describe the point of the layer's set that is nearest to the position.
-	int64_t get_id() const { return static_cast<int64_t>(it_.rules.point.id); }
+	int64_t get_id() const { return static_cast<int64_t>(explanation_.rules.point.id); }
 	godot::Vector3 get_point_position() const;
-	double get_distance() const { return it_.rules.distance; }
-	double get_rank() const { return it_.rules.point.rank * 0x1p-32; }
-	double get_point_density() const { return it_.rules.at_point.density; }
+	double get_distance() const { return explanation_.rules.distance; }
+	double get_rank() const { return explanation_.rules.point.rank * 0x1p-32; }
+	double get_point_density() const { return explanation_.rules.at_point.density; }
 
 	// These methods describe how the mesh of the instance at the point was chosen.
-	int64_t get_mesh() const { return static_cast<int64_t>(it_.rules.mesh); }
-	int64_t get_mesh_count() const { return static_cast<int64_t>(it_.mesh_messages.size()); }
+	int64_t get_mesh() const { return static_cast<int64_t>(explanation_.rules.mesh); }
+	int64_t get_mesh_count() const { return static_cast<int64_t>(explanation_.mesh_messages.size()); }
 	double get_mesh_density(int64_t p_index) const;
 	double get_mesh_probability(int64_t p_index) const;
 	godot::String get_mesh_sentence(int64_t p_index) const;
 
 	// These methods describe the layer's rules at the position.
-	int64_t get_rule_count() const { return static_cast<int64_t>(it_.messages.size()); }
+	int64_t get_rule_count() const { return static_cast<int64_t>(explanation_.messages.size()); }
 	godot::StringName get_rule_name(int64_t p_index) const;
 	double get_rule_value(int64_t p_index) const;
 	double get_rule_min(int64_t p_index) const;
@@ -89,7 +89,7 @@ private:
 	bool check_index(const char *p_method, int64_t p_index) const;
 	bool check_mesh(const char *p_method, int64_t p_index) const;
 
-	LayerExplanation it_;
+	LayerExplanation explanation_;
 	godot::Ref<ScatterLayer> layer_;
 	WorldFrame frame_;
 };

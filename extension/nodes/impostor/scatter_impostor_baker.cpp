@@ -31,12 +31,12 @@ Error error_of(ErrorCode p_code) {
 
 } // namespace
 
-ImpostorSettings ScatterImpostorBaker::current() const {
+ImpostorSettings ScatterImpostorBaker::current_settings() const {
 	const std::lock_guard lock(mutex_);
 	return settings_;
 }
 
-void ScatterImpostorBaker::try_set(const ImpostorSettings &p_settings) {
+void ScatterImpostorBaker::apply_settings(const ImpostorSettings &p_settings) {
 	const Status status = validate(p_settings);
 	report(class_name, status);
 	if (status.ok()) {
@@ -47,41 +47,41 @@ void ScatterImpostorBaker::try_set(const ImpostorSettings &p_settings) {
 
 void ScatterImpostorBaker::set_frames(int64_t p_frames) {
 	if (accept_number(class_name, "frames", static_cast<double>(p_frames), min_impostor_frames, max_impostor_frames)) {
-		ImpostorSettings settings = current();
+		ImpostorSettings settings = current_settings();
 		settings.frames = static_cast<int>(p_frames);
-		try_set(settings);
+		apply_settings(settings);
 	}
 }
 
-int64_t ScatterImpostorBaker::get_frames() const { return current().frames; }
+int64_t ScatterImpostorBaker::get_frames() const { return current_settings().frames; }
 
 void ScatterImpostorBaker::set_frame_size(int64_t p_frame_size) {
 	if (accept_number(class_name, "frame_size", static_cast<double>(p_frame_size), min_frame_size, max_frame_size)) {
-		ImpostorSettings settings = current();
+		ImpostorSettings settings = current_settings();
 		settings.frame_size = static_cast<int>(p_frame_size);
-		try_set(settings);
+		apply_settings(settings);
 	}
 }
 
-int64_t ScatterImpostorBaker::get_frame_size() const { return current().frame_size; }
+int64_t ScatterImpostorBaker::get_frame_size() const { return current_settings().frame_size; }
 
 void ScatterImpostorBaker::set_samples(int64_t p_samples) {
 	if (accept_number(class_name, "samples", static_cast<double>(p_samples), 1.0, max_impostor_samples)) {
-		ImpostorSettings settings = current();
+		ImpostorSettings settings = current_settings();
 		settings.samples = static_cast<int>(p_samples);
-		try_set(settings);
+		apply_settings(settings);
 	}
 }
 
-int64_t ScatterImpostorBaker::get_samples() const { return current().samples; }
+int64_t ScatterImpostorBaker::get_samples() const { return current_settings().samples; }
 
 void ScatterImpostorBaker::set_full_sphere(bool p_full_sphere) {
-	ImpostorSettings settings = current();
+	ImpostorSettings settings = current_settings();
 	settings.span = p_full_sphere ? OctahedralSpan::sphere : OctahedralSpan::hemisphere;
-	try_set(settings);
+	apply_settings(settings);
 }
 
-bool ScatterImpostorBaker::is_full_sphere() const { return current().span == OctahedralSpan::sphere; }
+bool ScatterImpostorBaker::is_full_sphere() const { return current_settings().span == OctahedralSpan::sphere; }
 
 Error ScatterImpostorBaker::add_surface(const Array &p_arrays, const Transform3D &p_transform, const Color &p_albedo,
 		const Ref<Image> &p_texture, double p_alpha_threshold, CullMode p_cull_mode, VertexColorMode p_vertex_colors) {
@@ -94,7 +94,7 @@ Error ScatterImpostorBaker::add_surface(const Array &p_arrays, const Transform3D
 	Status status = read_arrays(p_arrays, surface);
 	surface.material.albedo = linear_of(p_albedo);
 	surface.material.alpha_threshold = static_cast<float>(p_alpha_threshold);
-	surface.material.culled = static_cast<CulledSide>(p_cull_mode);
+	surface.material.culled_side = static_cast<CulledSide>(p_cull_mode);
 	surface.material.vertex_colors = static_cast<VertexColors>(p_vertex_colors);
 	if (status.ok()) {
 		status = surface.check();
@@ -118,17 +118,17 @@ Error ScatterImpostorBaker::add_surface(const Array &p_arrays, const Transform3D
 /// and returns null.
 std::shared_ptr<const SurfaceTexture> ScatterImpostorBaker::texture_of(const Ref<Image> &p_image) {
 	const std::lock_guard lock(mutex_);
-	std::shared_ptr<const SurfaceTexture> &known = textures_[p_image->get_instance_id()];
-	if (known != nullptr) {
-		return known;
+	std::shared_ptr<const SurfaceTexture> &cached = textures_[p_image->get_instance_id()];
+	if (cached != nullptr) {
+		return cached;
 	}
 	auto texture = std::make_shared<SurfaceTexture>();
 	const Status status = read_texture(p_image, *texture);
 	report(class_name, status);
 	if (status.ok()) {
-		known = std::move(texture);
+		cached = std::move(texture);
 	}
-	return known;
+	return cached;
 }
 
 void ScatterImpostorBaker::clear() {
@@ -151,13 +151,13 @@ Error ScatterImpostorBaker::bake() {
 		const std::vector<ImpostorSurface> surfaces = surfaces_;
 		const ImpostorSettings settings = settings_;
 		lock.unlock();
-		Impostor baked;
+		Impostor impostor;
 		status = bake_impostor(surfaces, settings,
 				{.cancel = &cancelled_, .report = [this](double fraction, std::uint64_t) { progress_ = fraction; }},
-				baked);
+				impostor);
 		if (status.ok()) {
 			lock.lock();
-			impostor_ = std::move(baked);
+			impostor_ = std::move(impostor);
 		}
 	} catch (...) {
 		busy_ = false;

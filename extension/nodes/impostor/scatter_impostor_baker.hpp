@@ -90,8 +90,8 @@ protected:
 	static void _bind_methods();
 
 private:
-	ImpostorSettings current() const;
-	void try_set(const ImpostorSettings &p_settings);
+	ImpostorSettings current_settings() const;
+	void apply_settings(const ImpostorSettings &p_settings);
 	std::shared_ptr<const SurfaceTexture> texture_of(const godot::Ref<godot::Image> &p_image);
 	godot::Ref<godot::Image> image_of(const std::vector<std::uint8_t> &p_atlas) const;
 

@@ -23,19 +23,20 @@ namespace {
 
 /// Converts one of the arrays, if it exists. Returns an error if it has the wrong type.
 template <class Packed, class Element, class Convert>
-Status read(const Array &p_arrays, int64_t p_which, Variant::Type p_type, std::vector<Element> &r_list, Convert p_of) {
-	const Variant value = p_which < p_arrays.size() ? p_arrays[p_which] : Variant();
+Status read(const Array &p_arrays, int64_t p_stream, Variant::Type p_type, std::vector<Element> &r_list,
+		Convert p_convert) {
+	const Variant value = p_stream < p_arrays.size() ? p_arrays[p_stream] : Variant();
 	if (value.get_type() == Variant::NIL) {
 		return {};
 	}
 	if (value.get_type() != p_type) {
-		return {ErrorCode::wrong_size, "arrays", static_cast<double>(p_which), {}, {},
+		return {ErrorCode::wrong_size, "arrays", static_cast<double>(p_stream), {}, {},
 				"Use arrays as Mesh.surface_get_arrays returns them"};
 	}
 	const Packed packed = value;
 	r_list.reserve(static_cast<std::size_t>(packed.size()));
 	for (const auto &element : std::span(packed.ptr(), static_cast<std::size_t>(packed.size()))) {
-		r_list.push_back(p_of(element));
+		r_list.push_back(p_convert(element));
 	}
 	return {};
 }

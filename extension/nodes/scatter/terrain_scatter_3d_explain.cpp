@@ -228,7 +228,7 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 				p_layer.is_null() ? "The entry in the list of layers is empty." : "The layer's settings are invalid.",
 				r_explanation);
 	}
-	explainer.shapes = regions_.names_for(all_layers(), r_explanation.layer);
+	explainer.shape_names = regions_.names_for(all_layers(), r_explanation.layer);
 	const glm::dvec3 position = r_explanation.position;
 	const Status status = explainer.explain(r_explanation.layer, position, r_explanation);
 	if (!status.ok()) {
