@@ -105,12 +105,12 @@ TEST_CASE("cell drawing: an additional LOD draws its own fraction, but no instan
 	const std::vector<std::uint32_t> ranks = even_ranks(1024);
 	CellDrawing cell;
 	cell.density = 0.75;
-	cell.drawn = 768;
+	cell.drawn_count = 768;
 	CHECK(drawn_by_extra_lod(ranks, 1.0, 1.0, cell) == 768);
 	CHECK(drawn_by_extra_lod(ranks, 1.0, 0.5, cell) == 384);
-	cell.drawn = 384; // The first LOD draws all instances that its settings permit.
+	cell.drawn_count = 384; // The first LOD draws all instances that its settings permit.
 	CHECK(drawn_by_extra_lod(ranks, 0.5, 1.0, cell) == 768);
-	cell.drawn = 383; // The draw limit has removed one instance.
+	cell.drawn_count = 383; // The draw limit has removed one instance.
 	CHECK(drawn_by_extra_lod(ranks, 0.5, 1.0, cell) == 383);
 	CHECK(drawn_by_extra_lod(ranks, 0.5, 0.25, cell) == 192);
 	CHECK(drawn_by_extra_lod({}, 1.0, 1.0, cell) == 0);

@@ -61,12 +61,12 @@ public:
 		}
 	}
 
-	std::uint64_t drawn() const {
+	std::uint64_t drawn_count() const {
 		std::uint64_t sum = 0;
 		for (const CellDrawing &cell : cells) {
-			sum += cell.drawn;
+			sum += cell.drawn_count;
 		}
-		CHECK(sum == budget.amounts().drawn);
+		CHECK(sum == budget.amounts().drawn_count);
 		return sum;
 	}
 
@@ -85,23 +85,23 @@ DrawLimits limited_to(std::uint64_t instances) {
 TEST_CASE("draw budget: quality and hidden layers scale what is drawn") {
 	Meadow meadow(10);
 	meadow.draw_all();
-	CHECK(meadow.drawn() == 10000);
+	CHECK(meadow.drawn_count() == 10000);
 	CHECK_FALSE(meadow.budget.begin_frame()); // Nothing has changed.
 	DrawLimits limits;
 	limits.quality = 0.25;
 	limits.hidden_layers = {false, true};
 	meadow.budget.set_limits(limits);
 	CHECK(meadow.budget.limits() == limits);
-	CHECK(meadow.drawn() == 10000); // The limits take effect in the next frame.
+	CHECK(meadow.drawn_count() == 10000); // The limits take effect in the next frame.
 	meadow.frame();
-	CHECK(meadow.drawn() == 2500);
+	CHECK(meadow.drawn_count() == 2500);
 	CHECK(meadow.budget.drawn_fraction(LodSettings(), 0.0) == 0.25);
 	meadow.layer = 1;
 	meadow.draw_all();
-	CHECK(meadow.drawn() == 0);
+	CHECK(meadow.drawn_count() == 0);
 	meadow.layer = 7; // Layers beyond the end of the list are visible.
 	meadow.draw_all();
-	CHECK(meadow.drawn() == 2500);
+	CHECK(meadow.drawn_count() == 2500);
 }
 
 TEST_CASE("draw budget: thinning, the density of an LOD and the quality multiply") {
@@ -114,8 +114,8 @@ TEST_CASE("draw budget: thinning, the density of an LOD and the quality multiply
 	cell.remaining_fraction = 0.5;
 	CHECK(meadow.budget.draw(0, 0.5, ranks_of_cell(), cell));
 	CHECK(cell.density == 0.25); // The density is the same for every LOD.
-	CHECK(cell.drawn == 125);
-	CHECK(cell.wanted == 125);
+	CHECK(cell.drawn_count == 125);
+	CHECK(cell.wanted_count == 125);
 }
 
 TEST_CASE("draw budget: the limit is never exceeded, and soon thins all cells alike") {
@@ -124,24 +124,24 @@ TEST_CASE("draw budget: the limit is never exceeded, and soon thins all cells al
 	CHECK(meadow.budget.begin_frame());
 	for (std::size_t at = 0; at < meadow.cells.size(); ++at) {
 		CHECK(meadow.draw(at) == (at < 5)); // There is room for five whole cells and half of a sixth.
-		CHECK(meadow.drawn() <= 5500);
+		CHECK(meadow.drawn_count() <= 5500);
 	}
 	meadow.frame();
 	for (const CellDrawing &cell : meadow.cells) {
-		CHECK(cell.drawn == doctest::Approx(0.9 * 5500 / 20).epsilon(0.01));
+		CHECK(cell.drawn_count == doctest::Approx(0.9 * 5500 / 20).epsilon(0.01));
 	}
-	CHECK(meadow.drawn() <= 5500);
-	CHECK(meadow.budget.amounts().wanted == 20000);
+	CHECK(meadow.drawn_count() <= 5500);
+	CHECK(meadow.budget.amounts().wanted_count == 20000);
 	for (int time = 0; time < 10; ++time) {
 		CHECK_FALSE(meadow.budget.begin_frame()); // The budget has settled.
 		CHECK(meadow.budget.take_cut().empty());
 	}
 	meadow.budget.set_limits(limited_to(1000)); // A lower limit is met after one pass over all cells.
 	meadow.frame();
-	CHECK(meadow.drawn() <= 1000);
+	CHECK(meadow.drawn_count() <= 1000);
 	meadow.budget.set_limits(limited_to(0));
 	meadow.frame();
-	CHECK(meadow.drawn() == 0);
+	CHECK(meadow.drawn_count() == 0);
 }
 
 TEST_CASE("draw budget: the fraction changes only if the number of instances changes a lot") {
@@ -150,7 +150,7 @@ TEST_CASE("draw budget: the fraction changes only if the number of instances cha
 	meadow.frame();
 	meadow.draw_all();
 	meadow.frame();
-	const std::uint64_t settled = meadow.drawn();
+	const std::uint64_t settled = meadow.drawn_count();
 	CHECK(settled == doctest::Approx(45000).epsilon(0.01));
 	std::size_t changes = 0;
 	for (std::size_t at = 0; at < 20; ++at) { // One by one, a fifth of the tiles is thinned to nothing.
@@ -164,8 +164,8 @@ TEST_CASE("draw budget: the fraction changes only if the number of instances cha
 		meadow.draw(at);
 		meadow.frame();
 	}
-	CHECK_MESSAGE(meadow.cells.back().drawn > 550, "the remaining tiles use the freed budget");
-	CHECK(meadow.drawn() <= 50000);
+	CHECK_MESSAGE(meadow.cells.back().drawn_count > 550, "the remaining tiles use the freed budget");
+	CHECK(meadow.drawn_count() <= 50000);
 }
 
 TEST_CASE("draw budget: a cell that is cut is drawn again in the next frame, once, until it is whole") {
@@ -177,14 +177,14 @@ TEST_CASE("draw budget: a cell that is cut is drawn again in the next frame, onc
 	CHECK(meadow.budget.take_cut().empty());
 	// A third tile is added and removed before the fraction adapts.
 	DrawAmounts other;
-	other.drawn = 1500;
+	other.drawn_count = 1500;
 	meadow.budget.add(other);
 	CHECK_FALSE(meadow.draw(0));
 	CHECK_FALSE(meadow.draw(0));
-	CHECK(first.drawn == 0);
+	CHECK(first.drawn_count == 0);
 	meadow.budget.remove(other);
 	meadow.frame();
-	CHECK(first.drawn == in_cell);
+	CHECK(first.drawn_count == in_cell);
 	CHECK(meadow.budget.take_cut().empty());
 	meadow.budget.record_cut(key_of(3));
 	meadow.budget.record_cut(key_of(3));
@@ -207,12 +207,12 @@ TEST_CASE("draw budget: random tiles and limits settle within the limit, and use
 		}
 		for (int time = 0; time < 3; ++time) {
 			meadow.frame();
-			CHECK(meadow.drawn() <= meadow.budget.limits().max_instances);
+			CHECK(meadow.drawn_count() <= meadow.budget.limits().max_instances);
 		}
 		CHECK_FALSE(meadow.budget.begin_frame());
 		const auto most = static_cast<double>(meadow.budget.limits().max_instances);
-		const auto wanted = static_cast<double>(meadow.budget.amounts().wanted);
-		const auto drawn = static_cast<double>(meadow.drawn());
+		const auto wanted = static_cast<double>(meadow.budget.amounts().wanted_count);
+		const auto drawn = static_cast<double>(meadow.drawn_count());
 		// The 50 allows for rounding to whole instances in each cell.
 		CHECK(drawn >= std::min(0.69 * most, wanted) - 50.0);
 	}

@@ -22,9 +22,9 @@ double adapted_margin(const LodSettings &settings, std::span<const LodStep> step
 
 std::size_t drawn_by_extra_lod(
 		std::span<const std::uint32_t> ranks, double first_fraction, double fraction, const CellDrawing &cell) {
-	const bool is_cut = cell.drawn < visible_prefix(ranks, cell.density * first_fraction);
+	const bool is_cut = cell.drawn_count < visible_prefix(ranks, cell.density * first_fraction);
 	const std::size_t count = visible_prefix(ranks, cell.density * fraction);
-	return is_cut ? std::min(count, cell.drawn) : count;
+	return is_cut ? std::min(count, cell.drawn_count) : count;
 }
 
 } // namespace thicket

@@ -16,8 +16,8 @@ struct CellDrawing {
 	double remaining_fraction = 1.0; ///< Fraction that remains after thinning by distance, 0 to 1.
 	/// Fraction that remains in every LOD after thinning, quality and max_instances, 0 to 1.
 	double density = 1.0;
-	std::size_t drawn = 0;    ///< Number of instances that the first LOD draws.
-	std::uint64_t wanted = 0; ///< Number of instances that the first LOD would draw without max_instances.
+	std::size_t drawn_count = 0;    ///< Number of instances that the first LOD draws.
+	std::uint64_t wanted_count = 0; ///< Number of instances that the first LOD would draw without max_instances.
 };
 
 /// Updates a cell's LODs, scale and thinning for its distance from the viewers. `steps` has one

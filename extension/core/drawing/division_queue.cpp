@@ -6,12 +6,12 @@
 namespace thicket {
 
 std::uint32_t DivisionQueue::first_division(
-		std::uint32_t wanted, Multimeshes total, bool replaces_visible_tile, bool others_wait) {
-	return total.count <= total.limit && (replaces_visible_tile || !others_wait) ? wanted : 1;
+		std::uint32_t wanted_division, Multimeshes total, bool replaces_visible_tile, bool others_wait) {
+	return total.count <= total.limit && (replaces_visible_tile || !others_wait) ? wanted_division : 1;
 }
 
-void DivisionQueue::choose(const TileKey &key, std::uint32_t displayed, std::uint32_t wanted) {
-	if (displayed != wanted && !is_current(key)) {
+void DivisionQueue::choose(const TileKey &key, std::uint32_t displayed_division, std::uint32_t wanted_division) {
+	if (displayed_division != wanted_division && !is_current(key)) {
 		waiting_tiles_.insert(key);
 	}
 }
@@ -38,10 +38,10 @@ TileKey DivisionQueue::nearest_waiting(const Tiles &tiles) const {
 /// Begins the division of a waiting tile, or first merges a farther tile to free multimeshes for
 /// it. If the tile must stay as it is, removes it from the queue and returns false.
 bool DivisionQueue::begin_with(const TileKey &key, const Tiles &tiles, Multimeshes total) {
-	const std::uint32_t displayed = tiles.displayed_division(key);
+	const std::uint32_t displayed_division = tiles.displayed_division(key);
 	const std::uint32_t cells_per_edge = tiles.wanted_division(key);
 	const std::uint64_t next_count = total.count - tiles.multimeshes(key) + tiles.multimesh_bound(key, cells_per_edge);
-	const bool exceeds_limit = cells_per_edge > displayed && next_count > total.limit;
+	const bool exceeds_limit = cells_per_edge > displayed_division && next_count > total.limit;
 	if (exceeds_limit) {
 		const FartherTiles farther = farther_than(yield_factor * tiles.distance(key), tiles);
 		if (next_count - total.limit <= farther.freeable_count) {
@@ -53,7 +53,7 @@ bool DivisionQueue::begin_with(const TileKey &key, const Tiles &tiles, Multimesh
 	if (exceeds_limit) {
 		postponed_tiles_.insert(key);
 	}
-	if (exceeds_limit || cells_per_edge == displayed) {
+	if (exceeds_limit || cells_per_edge == displayed_division) {
 		return false;
 	}
 	current_ = {key, cells_per_edge};

@@ -59,17 +59,17 @@ public:
 		std::uint32_t cells_per_edge = 1;
 	};
 
-	/// Returns the division for a tile that has not been uploaded yet: `wanted` or 1. `total`
-	/// includes the multimeshes of the tile. The tile is divided from the start only if `total`
-	/// does not exceed the limit. In addition, the tile must replace a visible one, or no other
-	/// tile may be waiting to be uploaded. If these conditions are not met, the tile can be divided
-	/// later, once it is visible.
+	/// Returns the division for a tile that has not been uploaded yet: `wanted_division` or 1.
+	/// `total` includes the multimeshes of the tile. The tile is divided from the start only if
+	/// `total` does not exceed the limit. In addition, the tile must replace a visible one, or no
+	/// other tile may be waiting to be uploaded. If these conditions are not met, the tile can be
+	/// divided later, once it is visible.
 	static std::uint32_t first_division(
-			std::uint32_t wanted, Multimeshes total, bool replaces_visible_tile, bool others_wait);
+			std::uint32_t wanted_division, Multimeshes total, bool replaces_visible_tile, bool others_wait);
 
-	/// Queues a visible tile if its division `displayed` differs from `wanted`. Does nothing if the
-	/// tile is already queued or is being divided.
-	void choose(const TileKey &key, std::uint32_t displayed, std::uint32_t wanted);
+	/// Queues a visible tile if its `displayed_division` differs from `wanted_division`. Does nothing
+	/// if the tile is already queued or is being divided.
+	void choose(const TileKey &key, std::uint32_t displayed_division, std::uint32_t wanted_division);
 
 	/// Chooses the next division, which is current until `finish` or `cancel`. Call this function
 	/// only while there is no current division. Returns nothing if no waiting tile can be divided;

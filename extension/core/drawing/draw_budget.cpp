@@ -11,8 +11,8 @@ DrawAmounts &DrawAmounts::operator+=(const DrawAmounts &other) {
 	instances += other.instances;
 	bytes += other.bytes;
 	multimeshes += other.multimeshes;
-	drawn += other.drawn;
-	wanted += other.wanted;
+	drawn_count += other.drawn_count;
+	wanted_count += other.wanted_count;
 	return *this;
 }
 
@@ -20,13 +20,13 @@ DrawAmounts &DrawAmounts::operator-=(const DrawAmounts &other) {
 	instances -= other.instances;
 	bytes -= other.bytes;
 	multimeshes -= other.multimeshes;
-	drawn -= other.drawn;
-	wanted -= other.wanted;
+	drawn_count -= other.drawn_count;
+	wanted_count -= other.wanted_count;
 	return *this;
 }
 
 bool DrawBudget::begin_frame() {
-	const double fraction = limited_fraction(fraction_, amounts_.wanted, next_limits_.max_instances);
+	const double fraction = limited_fraction(fraction_, amounts_.wanted_count, next_limits_.max_instances);
 	if (fraction == fraction_ && next_limits_ == limits_) {
 		return false;
 	}
@@ -39,14 +39,14 @@ bool DrawBudget::draw(
 		std::uint32_t layer, double lod_density, std::span<const std::uint32_t> ranks, CellDrawing &r_cell) {
 	const double unlimited_density = r_cell.remaining_fraction * limits_.fraction(layer);
 	r_cell.density = unlimited_density * fraction_;
-	amounts_.wanted -= std::exchange(r_cell.wanted, visible_prefix(ranks, unlimited_density * lod_density));
-	amounts_.wanted += r_cell.wanted;
-	amounts_.drawn -= r_cell.drawn;
+	amounts_.wanted_count -= std::exchange(r_cell.wanted_count, visible_prefix(ranks, unlimited_density * lod_density));
+	amounts_.wanted_count += r_cell.wanted_count;
+	amounts_.drawn_count -= r_cell.drawn_count;
 	const std::size_t count = visible_prefix(ranks, r_cell.density * lod_density);
-	const std::uint64_t available_count = limits_.max_instances - std::min(limits_.max_instances, amounts_.drawn);
-	r_cell.drawn = static_cast<std::size_t>(std::min<std::uint64_t>(count, available_count));
-	amounts_.drawn += r_cell.drawn;
-	return r_cell.drawn == count;
+	const std::uint64_t available_count = limits_.max_instances - std::min(limits_.max_instances, amounts_.drawn_count);
+	r_cell.drawn_count = static_cast<std::size_t>(std::min<std::uint64_t>(count, available_count));
+	amounts_.drawn_count += r_cell.drawn_count;
+	return r_cell.drawn_count == count;
 }
 
 std::set<TileKey, TileKeyOrder> DrawBudget::take_cut() { return std::exchange(cut_tiles_, {}); }

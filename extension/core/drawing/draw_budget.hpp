@@ -36,8 +36,8 @@ struct DrawAmounts {
 	std::uint64_t instances = 0; ///< All instances, drawn or not.
 	std::uint64_t bytes = 0;     ///< Main memory used by the instances.
 	std::uint64_t multimeshes = 0;
-	std::uint64_t drawn = 0;  ///< Instances that are drawn if they are in the camera's view.
-	std::uint64_t wanted = 0; ///< Instances that would be drawn without max_instances.
+	std::uint64_t drawn_count = 0;  ///< Instances that are drawn if they are in the camera's view.
+	std::uint64_t wanted_count = 0; ///< Instances that would be drawn without max_instances.
 
 	DrawAmounts &operator+=(const DrawAmounts &other);
 	DrawAmounts &operator-=(const DrawAmounts &other);

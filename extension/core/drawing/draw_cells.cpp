@@ -62,26 +62,26 @@ void measure(const CompactMesh &mesh, std::span<const std::uint32_t> order, Draw
 void add_cells(const CompactMesh &mesh, const Lattice &lattice, DrawCells &r_cells) {
 	const std::uint32_t cells_per_edge = lattice.cells_per_edge;
 	const std::vector<std::uint16_t> indices = cell_indices(mesh, lattice);
-	// The cells are filled by a counting sort. First, ends[index + 1] counts the instances of a
-	// cell.
-	std::vector<std::uint32_t> ends(std::size_t{cells_per_edge} * cells_per_edge + 1);
+	// The cells are filled by a counting sort. First, cell_ends[index + 1] counts the instances of
+	// a cell.
+	std::vector<std::uint32_t> cell_ends(std::size_t{cells_per_edge} * cells_per_edge + 1);
 	for (const std::uint16_t index : indices) {
-		++ends[std::size_t{index} + 1];
+		++cell_ends[std::size_t{index} + 1];
 	}
-	for (std::size_t index = 1; index < ends.size(); ++index) {
-		ends[index] += ends[index - 1];
+	for (std::size_t index = 1; index < cell_ends.size(); ++index) {
+		cell_ends[index] += cell_ends[index - 1];
 	}
 	r_cells.order.resize(mesh.size());
 	r_cells.ranks.resize(mesh.size());
 	// Each entry is now the beginning of its cell. The loop advances it to the cell's end.
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
-		const std::uint32_t slot = ends[indices[i]]++;
+		const std::uint32_t slot = cell_ends[indices[i]]++;
 		r_cells.order[slot] = static_cast<std::uint32_t>(i);
 		r_cells.ranks[slot] = mesh.ranks()[i];
 	}
 	std::uint32_t begin = 0;
 	for (std::uint32_t index = 0; index < cells_per_edge * cells_per_edge; ++index) {
-		DrawCell cell{index, begin, ends[index]};
+		DrawCell cell{index, begin, cell_ends[index]};
 		begin = cell.end;
 		if (cell.size() > 0) {
 			measure(mesh, r_cells.order_of(cell), cell);

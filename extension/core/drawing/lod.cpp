@@ -66,10 +66,10 @@ double compensating_scale(const LodSettings &settings, double fraction) {
 	return settings.scale_compensation ? 1.0 / std::sqrt(std::max(fraction, min_fraction)) : 1.0;
 }
 
-double limited_fraction(double fraction, std::uint64_t wanted, std::uint64_t max_instances) {
+double limited_fraction(double fraction, std::uint64_t wanted_instances, std::uint64_t max_instances) {
 	constexpr double target_usage = 0.9; // Fraction of the limit that is used after `fraction` has changed.
 	constexpr double min_usage = 0.7;    // `fraction` is raised below this fraction of the limit.
-	const auto wanted_count = static_cast<double>(wanted);
+	const auto wanted_count = static_cast<double>(wanted_instances);
 	const auto limit = static_cast<double>(max_instances);
 	const bool keeps_fraction =
 			fraction * wanted_count <= limit && (fraction >= 1.0 || fraction * wanted_count >= min_usage * limit);

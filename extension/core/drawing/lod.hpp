@@ -70,10 +70,10 @@ inline constexpr double thin_steps = 64.0;
 /// sqrt(fraction), at most max_scale_compensation. Returns 1 for a layer without compensation.
 double compensating_scale(const LodSettings &settings, double fraction);
 
-/// Returns the fraction, 0 to 1, of the `wanted` instances to draw so that there are at most
-/// `max_instances`. Returns `fraction`, the current value, unless too many instances would be
-/// drawn, or far fewer than allowed. A new fraction uses 90 % of the limit.
-double limited_fraction(double fraction, std::uint64_t wanted, std::uint64_t max_instances);
+/// Returns the fraction, 0 to 1, of `wanted_instances` to draw so that there are at most
+/// `max_instances`. Returns `fraction`, the current value, unless too many instances would be drawn,
+/// or far fewer than allowed. A new fraction uses 90 % of the limit.
+double limited_fraction(double fraction, std::uint64_t wanted_instances, std::uint64_t max_instances);
 
 /// Returns how far the distance may change in either direction, in meters, without affecting the
 /// result of any function above. The value is at least 0, or infinity if no result depends on the

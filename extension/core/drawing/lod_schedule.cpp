@@ -87,15 +87,15 @@ DistanceRange LodSchedule::distances_to(glm::dvec3 min, glm::dvec3 max, const Si
 		const glm::dvec3 nearest_offset = glm::max(glm::max(min_offset, max_offset), glm::dvec3(0.0));
 		const glm::dvec3 farthest_offset = glm::max(glm::abs(min_offset), glm::abs(max_offset));
 		const double limit = sight.height_limit(viewer.radius_scale);
-		const double near =
+		const double near_distance =
 				sight_distance(length({nearest_offset.x, 0.0, nearest_offset.z}), length(nearest_offset), limit);
-		const double far =
+		const double far_distance =
 				sight_distance(length({farthest_offset.x, 0.0, farthest_offset.z}), length(farthest_offset), limit);
-		if (near < nearest.near) {
-			nearest.near = near;
-			nearest.far = far;
+		if (near_distance < nearest.near) {
+			nearest.near = near_distance;
+			nearest.far = far_distance;
 		}
-		nearest.sight = std::min(nearest.sight, far - sight.beyond(viewer.radius_scale));
+		nearest.sight = std::min(nearest.sight, far_distance - sight.beyond(viewer.radius_scale));
 	}
 	return nearest;
 }

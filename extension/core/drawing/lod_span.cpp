@@ -24,15 +24,15 @@ std::size_t change_count(const LodSettings &settings, std::span<const LodStep> s
 	return std::min(settings.lod_distances.size(), steps.empty() ? 0 : steps.size() - 1);
 }
 
-std::size_t first_lod(
-		const LodSettings &settings, std::span<const LodStep> steps, double near, const LodSpan &displayed_span) {
+std::size_t first_lod(const LodSettings &settings, std::span<const LodStep> steps, double near_distance,
+		const LodSpan &displayed_span) {
 	std::size_t lod = 0;
 	for (; lod < change_count(settings, steps); ++lod) {
 		const double begin = settings.lod_distances[lod];
 		const bool is_drawn = lod >= displayed_span.first && lod <= displayed_span.last;
 		const double abrupt_factor = lod < displayed_span.first ? lod_hysteresis : 1.0;
 		const double fade_factor = is_drawn ? finer_removed : finer_added;
-		if (near < begin * (fades_after(settings, steps, lod) ? fade_factor : abrupt_factor)) {
+		if (near_distance < begin * (fades_after(settings, steps, lod) ? fade_factor : abrupt_factor)) {
 			break;
 		}
 	}

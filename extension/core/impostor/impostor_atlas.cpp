@@ -103,19 +103,19 @@ std::span<std::uint8_t> ImpostorAtlas::albedo_of(const Level &level) {
 			level.first, 4 * static_cast<std::size_t>(level.side) * static_cast<std::size_t>(level.side));
 }
 
-void ImpostorAtlas::shrink(std::vector<std::uint8_t> &r_bytes, const Level &from, const Level &to) {
+void ImpostorAtlas::shrink(std::vector<std::uint8_t> &r_bytes, const Level &finer, const Level &coarser) {
 	const auto byte_at = [&](const Level &level, int x, int y) {
 		return level.first +
 				4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(level.side) + static_cast<std::size_t>(x));
 	};
-	for (int y = 0; y < to.side; ++y) {
-		for (int x = 0; x < to.side; ++x) {
+	for (int y = 0; y < coarser.side; ++y) {
+		for (int x = 0; x < coarser.side; ++x) {
 			for (std::size_t channel = 0; channel < 4; ++channel) {
-				const int sum = r_bytes[byte_at(from, 2 * x, 2 * y) + channel] +
-						r_bytes[byte_at(from, 2 * x + 1, 2 * y) + channel] +
-						r_bytes[byte_at(from, 2 * x, 2 * y + 1) + channel] +
-						r_bytes[byte_at(from, 2 * x + 1, 2 * y + 1) + channel];
-				r_bytes[byte_at(to, x, y) + channel] = static_cast<std::uint8_t>((sum + 2) / 4);
+				const int sum = r_bytes[byte_at(finer, 2 * x, 2 * y) + channel] +
+						r_bytes[byte_at(finer, 2 * x + 1, 2 * y) + channel] +
+						r_bytes[byte_at(finer, 2 * x, 2 * y + 1) + channel] +
+						r_bytes[byte_at(finer, 2 * x + 1, 2 * y + 1) + channel];
+				r_bytes[byte_at(coarser, x, y) + channel] = static_cast<std::uint8_t>((sum + 2) / 4);
 			}
 		}
 	}

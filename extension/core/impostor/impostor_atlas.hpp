@@ -34,7 +34,7 @@ private:
 	};
 
 	std::span<std::uint8_t> albedo_of(const Level &level);
-	static void shrink(std::vector<std::uint8_t> &r_bytes, const Level &from, const Level &to);
+	static void shrink(std::vector<std::uint8_t> &r_bytes, const Level &finer, const Level &coarser);
 
 	int whole_levels_ = 0; ///< Number of levels in which a frame has at least one pixel.
 	std::vector<Level> levels_;

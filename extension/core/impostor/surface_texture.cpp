@@ -52,10 +52,10 @@ Status SurfaceTexture::set(int width, int height, std::span<const std::uint8_t> 
 			for (int y = 0; y < height; ++y) {
 				for (int x = 0; x < width; ++x) {
 					const int right = std::min(2 * x + 1, finer.width - 1);
-					const int below = std::min(2 * y + 1, finer.height - 1);
+					const int bottom = std::min(2 * y + 1, finer.height - 1);
 					const std::array<std::size_t, 4> pixels{finer.byte_offset(2 * x, 2 * y),
-							finer.byte_offset(right, 2 * y), finer.byte_offset(2 * x, below),
-							finer.byte_offset(right, below)};
+							finer.byte_offset(right, 2 * y), finer.byte_offset(2 * x, bottom),
+							finer.byte_offset(right, bottom)};
 					for (std::size_t channel = 0; channel < 4; ++channel) {
 						int sum = 2; // Starting at 2 rounds the quotient to the nearest integer.
 						for (const std::size_t pixel : pixels) {

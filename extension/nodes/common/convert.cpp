@@ -11,7 +11,7 @@ namespace thicket {
 namespace {
 
 template <class Packed, class Element>
-Packed copied(std::span<const Element> elements) {
+Packed packed_copy(std::span<const Element> elements) {
 	Packed result;
 	std::ranges::copy(elements, resize(result, static_cast<int64_t>(elements.size())).begin());
 	return result;
@@ -76,13 +76,15 @@ std::span<const std::uint8_t> span_of(const PackedByteArray &p_bytes) {
 	return {p_bytes.ptr(), static_cast<std::size_t>(p_bytes.size())};
 }
 
-PackedByteArray packed_bytes(std::span<const std::uint8_t> bytes) { return copied<PackedByteArray>(bytes); }
+PackedByteArray packed_bytes(std::span<const std::uint8_t> bytes) { return packed_copy<PackedByteArray>(bytes); }
 
-PackedInt32Array packed_integers(std::span<const std::int32_t> integers) { return copied<PackedInt32Array>(integers); }
+PackedInt32Array packed_integers(std::span<const std::int32_t> integers) {
+	return packed_copy<PackedInt32Array>(integers);
+}
 
 PackedInt64Array packed_ids(std::span<const std::uint64_t> ids) { return packed<PackedInt64Array>(ids, script_id); }
 
-PackedFloat32Array packed_floats(std::span<const float> numbers) { return copied<PackedFloat32Array>(numbers); }
+PackedFloat32Array packed_floats(std::span<const float> numbers) { return packed_copy<PackedFloat32Array>(numbers); }
 
 PackedVector2Array packed_vectors(std::span<const glm::dvec2> vectors) {
 	return packed<PackedVector2Array>(vectors, [](glm::dvec2 vector) { return to_engine(vector); });

@@ -98,7 +98,7 @@ void CellDrawer::show_lods(const Drawing &drawing, std::span<const std::uint32_t
 	const MeshAppearance &first = first_appearance(drawing, part, r_cell);
 	r_cell.visual.set_appearance(first);
 	r_cell.visual.set_scale(r_cell.drawing.scale);
-	r_cell.visual.set_drawn(r_cell.drawing.drawn);
+	r_cell.visual.set_drawn(r_cell.drawing.drawn_count);
 	const bool is_complete = r_cell.extra_visuals.size() == extra_count;
 	for (std::size_t index = 0; index < r_cell.extra_visuals.size(); ++index) {
 		TileVisual &extra_visual = r_cell.extra_visuals[index];

@@ -100,8 +100,8 @@ DrawAmounts DisplayedTile::amounts() const {
 		result.instances += part.displayed_mesh->size();
 		result.multimeshes += part.multimesh_count();
 		for (const Cell &cell : part.cells) {
-			result.drawn += cell.drawing.drawn;
-			result.wanted += cell.drawing.wanted;
+			result.drawn_count += cell.drawing.drawn_count;
+			result.wanted_count += cell.drawing.wanted_count;
 		}
 	}
 	return result;

@@ -100,9 +100,9 @@ bool LodChain::matches(std::span<const MeshAppearance> lods) const {
 	return true;
 }
 
-const MeshAppearance &LodChain::mesh_of(const LodRuns::DrawnRun &drawn) const {
-	const Meshes &meshes = meshes_[drawn.run];
-	return drawn.fade ? meshes.fading_variants[drawn.fade->index()] : meshes.plain;
+const MeshAppearance &LodChain::mesh_of(const LodRuns::DrawnRun &drawn_run) const {
+	const Meshes &meshes = meshes_[drawn_run.run];
+	return drawn_run.fade ? meshes.fading_variants[drawn_run.fade->index()] : meshes.plain;
 }
 
 const MeshAppearance &LodChain::appearance(const LodSpan &span, std::size_t index) const {
@@ -136,14 +136,14 @@ const LodChain *LodFades::find(std::uint32_t layer, std::size_t mesh) const {
 	return is_drawn ? &layers_[layer].chains[mesh] : nullptr;
 }
 
-bool LodFades::make_some(bool &r_ready) {
+bool LodFades::make_some(bool &r_chain_completed) {
 	for (; completed_layers_ < layers_.size(); ++completed_layers_) {
 		Layer &layer = layers_[completed_layers_];
 		for (std::size_t mesh = 0; mesh < layer.chains.size(); ++mesh) {
 			LodChain &chain = layer.chains[mesh];
 			if (!chain.is_complete()) {
 				chain.make_next(mesh < layer.previous_chains.size() ? &layer.previous_chains[mesh] : nullptr);
-				r_ready = chain.is_complete();
+				r_chain_completed = chain.is_complete();
 				return true;
 			}
 		}

@@ -50,7 +50,7 @@ private:
 		MeshAppearance plain;
 		std::array<MeshAppearance, RunFade::count> fading_variants; ///< Indexed by RunFade::index.
 	};
-	const MeshAppearance &mesh_of(const LodRuns::DrawnRun &drawn) const;
+	const MeshAppearance &mesh_of(const LodRuns::DrawnRun &drawn_run) const;
 
 	/// The value of LayerDrawing::surfaces for which the chain was created. If the current value
 	/// differs, a mesh has changed.
@@ -69,8 +69,9 @@ public:
 	const LodChain *find(std::uint32_t layer, std::size_t mesh) const;
 
 	/// Creates some of the missing fading variants. Returns false if none is missing. Sets
-	/// `r_ready` to true if this completes a chain, because its LODs cross-fade from then on.
-	bool make_some(bool &r_ready);
+	/// `r_chain_completed` to true if this completes a chain, because its LODs cross-fade from then
+	/// on.
+	bool make_some(bool &r_chain_completed);
 	bool is_complete() const { return completed_layers_ == layers_.size(); }
 
 private:

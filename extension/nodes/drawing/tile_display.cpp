@@ -189,9 +189,9 @@ void TileDisplay::retire() {
 	for (auto &[key, tile] : tiles_) {
 		leave(std::move(tile));
 	}
-	LeavingVisuals leaving = std::exchange(leaving_visuals_, {});
+	LeavingVisuals kept_visuals = std::exchange(leaving_visuals_, {});
 	clear();
-	leaving_visuals_ = std::move(leaving);
+	leaving_visuals_ = std::move(kept_visuals);
 }
 
 void TileDisplay::clear() {

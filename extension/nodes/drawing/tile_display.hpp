@@ -157,7 +157,7 @@ public:
 	std::uint64_t instance_bytes() const { return budget_.amounts().bytes; }
 
 	/// Returns the number of instances that are drawn if in view, after all limits.
-	std::uint64_t drawn_count() const { return budget_.amounts().drawn; }
+	std::uint64_t drawn_count() const { return budget_.amounts().drawn_count; }
 
 	/// Returns the fraction of a layer's instances that is drawn at a distance in meters from a
 	/// viewer, after all limits: 0 to 1.

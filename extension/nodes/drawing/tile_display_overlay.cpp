@@ -41,8 +41,8 @@ std::vector<CellReuse> reuse_cells(const DisplayedTile::Part &part, const Displa
 } // namespace
 
 void TileDisplay::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) {
-	const bool changed = hidden ? hidden_ids_.insert(id).second : hidden_ids_.erase(id) > 0;
-	if (changed) {
+	const bool has_changed = hidden ? hidden_ids_.insert(id).second : hidden_ids_.erase(id) > 0;
+	if (has_changed) {
 		mark(layer, area);
 	}
 }

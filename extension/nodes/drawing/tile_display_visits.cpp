@@ -25,7 +25,7 @@ void TileDisplay::count_drawn(DrawCounter &r_counter) const {
 			for (const DisplayedTile::Cell &cell : part.cells) {
 				const glm::dvec3 min = origin + glm::dvec3(cell.min);
 				const glm::dvec3 max = origin + glm::dvec3(cell.max);
-				r_counter.add(cell.visual.mesh(), visible_ ? cell.drawing.drawn : 0, min, max);
+				r_counter.add(cell.visual.mesh(), visible_ ? cell.drawing.drawn_count : 0, min, max);
 				for (const TileVisual &extra_visual : cell.extra_visuals) {
 					r_counter.add(extra_visual.mesh(), visible_ ? extra_visual.drawn_count() : 0, min, max);
 				}
@@ -130,9 +130,9 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 }
 
 bool TileDisplay::fade_step() {
-	bool ready = false;
-	if (drawer_.fades().make_some(ready)) {
-		if (ready) {
+	bool chain_completed = false;
+	if (drawer_.fades().make_some(chain_completed)) {
+		if (chain_completed) {
 			visit_all();
 		}
 		return true;

@@ -305,8 +305,8 @@ void CollisionRing::set_world_frame(const WorldFrame &frame) {
 	world_frame_ = frame;
 	std::vector<glm::dvec3> positions(centers.begin(), centers.end());
 	for (const glm::dvec3 &center : centers) {
-		for (const WorldFrame &earlier : earlier_frames_) {
-			const glm::dvec3 outdated_position = earlier.to_world(frame.to_engine(center));
+		for (const WorldFrame &earlier_frame : earlier_frames_) {
+			const glm::dvec3 outdated_position = earlier_frame.to_world(frame.to_engine(center));
 			if (glm::distance(outdated_position, center) > same_frame_tolerance) {
 				positions.push_back(outdated_position);
 			}

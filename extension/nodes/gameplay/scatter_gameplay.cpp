@@ -63,13 +63,13 @@ void ScatterGameplay::retire() {
 	scenes_.set_layers({});
 }
 
-void ScatterGameplay::set_layers(SharedLayers listed, const std::vector<SharedSnapshot> &layers,
+void ScatterGameplay::set_layers(SharedLayers new_layers, const std::vector<SharedSnapshot> &layers,
 		std::span<const EditedArea> outdated, TileMaker maker) {
 	// The editor shows meshes only. Otherwise scenes could be selected in the editor, and their
 	// scripts would run.
 	const bool with_scenes = !in_editor();
-	renumber_requests(*listed);
-	listed_layers_ = std::move(listed);
+	renumber_requests(*new_layers);
+	listed_layers_ = std::move(new_layers);
 	layers_ = layers;
 	std::vector<QueryLayer> query_layers;
 	std::vector<CollisionLayer> collision_layers;

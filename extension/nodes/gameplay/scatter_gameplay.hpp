@@ -117,9 +117,9 @@ public:
 	/// scenes are removed step by step, nearest first.
 	void retire();
 
-	/// Sets the layers. `layers` are the snapshots of `listed`, with the same indices. `outdated`
-	/// has an area for each layer whose tiles are regenerated.
-	void set_layers(SharedLayers listed, const std::vector<SharedSnapshot> &layers,
+	/// Sets the layers. `layers` are the snapshots of `new_layers`, with the same indices.
+	/// `outdated` has an area for each layer whose tiles are regenerated.
+	void set_layers(SharedLayers new_layers, const std::vector<SharedSnapshot> &layers,
 			std::span<const EditedArea> outdated, TileMaker maker);
 
 	/// Returns the layers as last set. The layer indices of instances refer to this list.
@@ -303,7 +303,7 @@ private:
 	godot::Ref<ScatterRequest> request(PendingRequest pending);
 	void open_request(const PendingRequest &pending);
 	void abandon_requests();
-	void renumber_requests(const ListedLayers &listed);
+	void renumber_requests(const ListedLayers &new_layers);
 
 	void add_obstructions(
 			const NavigationBake &bake, const Rect &ground, std::uint32_t layer, const SharedSnapshot &snapshot);

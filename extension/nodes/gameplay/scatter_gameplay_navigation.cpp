@@ -91,9 +91,9 @@ void report_too_large(std::uint32_t layer, std::span<const std::uint64_t> ids) {
 	if (ids.empty()) {
 		return;
 	}
-	const std::string others = ids.size() > 1 ? " and " + std::to_string(ids.size() - 1) + " more" : "";
+	const std::string others_text = ids.size() > 1 ? " and " + std::to_string(ids.size() - 1) + " more" : "";
 	ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without the hand-placed instance " +
-			std::to_string(script_id(ids.front())) + others + " of layer " + std::to_string(layer) +
+			std::to_string(script_id(ids.front())) + others_text + " of layer " + std::to_string(layer) +
 			". An obstruction may extend at most " + std::to_string(static_cast<int>(max_obstruction_reach)) +
 			" m from its instance. Remove such instances, or place them with a smaller scale.")
 					.c_str()));
@@ -134,13 +134,13 @@ void ScatterGameplay::add_obstructions(
 	if (!alive() || layer >= layers_.size() || layers_[layer] != snapshot || layer >= world_.layers().size()) {
 		return; // A script of the ground has changed the layers.
 	}
-	const QueryLayer &queried = world_.layers()[layer];
-	const InstanceShape shape = queried.shape;
-	const std::uint16_t layer_id = queried.set.layer;
+	const QueryLayer &queried_layer = world_.layers()[layer];
+	const InstanceShape shape = queried_layer.shape;
+	const std::uint16_t layer_id = queried_layer.set.layer;
 	const Ref<ScatterState> state = state_;
 	const WorldFrame frame = world_frame();
 	const Rect area = area_in_world(ground, bake, frame);
-	const Rect rect = grown(area, obstruction_reach(shape, queried.max_scale, bake.agent));
+	const Rect rect = grown(area, obstruction_reach(shape, queried_layer.max_scale, bake.agent));
 	const QueryFilter filter{.layers = {layer}, .accepts = {}};
 	std::vector<PlacedInstance> instances;
 	const Status status =

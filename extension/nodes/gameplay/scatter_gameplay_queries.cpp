@@ -125,7 +125,7 @@ Ref<ScatterRequest> ScatterGameplay::request(PendingRequest pending) {
 
 void ScatterGameplay::open_request(const PendingRequest &pending) {
 	QueryFilter filter;
-	std::int64_t number = 0;
+	std::int64_t request_number = 0;
 	if (open_query(*this, {pending.method, pending.layers, Callable()}, filter) != nullptr) {
 		std::variant<Rect, QueryRequests::Sphere> area;
 		if (const Rect2 *rect = std::get_if<Rect2>(&pending.area)) {
@@ -134,22 +134,22 @@ void ScatterGameplay::open_request(const PendingRequest &pending) {
 			const auto &sphere = std::get<SphereInScene>(pending.area);
 			area = QueryRequests::Sphere{to_world(sphere.center, world_frame()), sphere.radius};
 		}
-		report_query(pending.method, requests_.add(world_, area, filter, number));
+		report_query(pending.method, requests_.add(world_, area, filter, request_number));
 	}
-	if (number == 0) {
+	if (request_number == 0) {
 		pending.request->abandon();
 	} else {
-		open_requests_[number] = {pending.method, pending.predicate, pending.request};
+		open_requests_[request_number] = {pending.method, pending.predicate, pending.request};
 	}
 }
 
 /// Updates the layer indices of open requests to a new list, so that they keep their layers.
-void ScatterGameplay::renumber_requests(const ListedLayers &listed) {
+void ScatterGameplay::renumber_requests(const ListedLayers &new_layers) {
 	std::vector<std::uint32_t> new_indices;
 	bool is_unchanged = true;
 	for (std::uint32_t index = 0; index < static_cast<std::uint32_t>(listed_layers_->size()); ++index) {
 		const Ref<ScatterLayer> layer = listed_layers_->at(index);
-		new_indices.push_back(layer.is_null() || layer == listed.at(index) ? index : listed.find(layer));
+		new_indices.push_back(layer.is_null() || layer == new_layers.at(index) ? index : new_layers.find(layer));
 		is_unchanged = is_unchanged && new_indices.back() == index;
 	}
 	if (!is_unchanged) {
@@ -172,8 +172,8 @@ void ScatterGameplay::take_requests() {
 
 void ScatterGameplay::answer_requests() {
 	std::erase_if(open_requests_, [this](const auto &entry) {
-		const bool canceled = entry.second.request->is_canceled();
-		return canceled && requests_.cancel(entry.first);
+		const bool is_canceled = entry.second.request->is_canceled();
+		return is_canceled && requests_.cancel(entry.first);
 	});
 	for (QueryRequests::Answer &answer : requests_.frame(world_)) {
 		if (auto entry = open_requests_.extract(answer.request)) {
@@ -202,7 +202,7 @@ void ScatterGameplay::abandon_requests() {
 	for (const PendingRequest &pending : unopened) {
 		pending.request->abandon();
 	}
-	for (const auto &[number, request] : std::exchange(open_requests_, {})) {
+	for (const auto &[request_number, request] : std::exchange(open_requests_, {})) {
 		request.request->abandon();
 	}
 	for (const AnsweredRequest &answered : std::exchange(answered_requests_, {})) {

@@ -46,7 +46,7 @@ Ref<ScatterInstances> ScatterInstances::of(FoundInstances instances, const World
 	const Ref<ScatterInstances> result(memnew(ScatterInstances));
 	result->instances_ = std::move(instances);
 	result->frame_ = frame;
-	result->listed_ = std::move(layers);
+	result->listed_layers_ = std::move(layers);
 	return result;
 }
 
@@ -64,7 +64,7 @@ int64_t ScatterInstances::get_id(int64_t p_index) const {
 }
 
 Ref<ScatterLayer> ScatterInstances::get_layer(int64_t p_index) const {
-	return has("get_layer", p_index) ? listed_->at(instances_.layer(index_of(p_index))) : Ref<ScatterLayer>();
+	return has("get_layer", p_index) ? listed_layers_->at(instances_.layer(index_of(p_index))) : Ref<ScatterLayer>();
 }
 
 int64_t ScatterInstances::get_mesh(int64_t p_index) const {
@@ -97,7 +97,7 @@ void ScatterInstances::list_layers() const {
 		const auto [entry, is_new] =
 				list_indices.try_emplace(instances_.layer(i), static_cast<std::int32_t>(list_indices.size()));
 		if (is_new) {
-			layers.push_back(listed_->at(entry->first));
+			layers.push_back(listed_layers_->at(entry->first));
 		}
 		out[i] = entry->second;
 	}

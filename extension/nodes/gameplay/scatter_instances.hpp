@@ -72,8 +72,8 @@ private:
 
 	FoundInstances instances_;
 	WorldFrame frame_;
-	SharedLayers listed_;      ///< Null if there are no instances.
-	mutable std::mutex mutex_; ///< Guards the following members.
+	SharedLayers listed_layers_; ///< Null if there are no instances.
+	mutable std::mutex mutex_;   ///< Guards the following members.
 	mutable std::optional<godot::PackedInt64Array> ids_;
 	mutable std::optional<godot::PackedInt32Array> layer_indices_;
 	/// The result of get_layers. Valid once `layer_indices_` has a value.

@@ -34,16 +34,16 @@ std::uint64_t new_origin() {
 	return origin != 0 ? origin : 1;
 }
 
-Variant number(std::uint64_t value) { return static_cast<int64_t>(value); }
+Variant to_variant(std::uint64_t value) { return static_cast<int64_t>(value); }
 
 Dictionary dictionary_of(const DiffSummary::Layer &layer) {
 	Dictionary result;
-	result["removed"] = number(layer.removed);
-	result["restored"] = number(layer.present);
-	result["added"] = number(layer.added);
-	result["taken_away"] = number(layer.removed_placed);
-	result["with_data"] = number(layer.with_data);
-	result["data_bytes"] = number(layer.data_bytes);
+	result["removed"] = to_variant(layer.removed);
+	result["restored"] = to_variant(layer.present);
+	result["added"] = to_variant(layer.added);
+	result["taken_away"] = to_variant(layer.removed_placed);
+	result["with_data"] = to_variant(layer.with_data);
+	result["data_bytes"] = to_variant(layer.data_bytes);
 	if (layer.has_bounds) {
 		const glm::dvec2 size = layer.bounds.size();
 		result["bounds"] = Rect2(static_cast<real_t>(layer.bounds.min.x), static_cast<real_t>(layer.bounds.min.y),
@@ -74,18 +74,18 @@ Dictionary ScatterState::inspect_diff(const PackedByteArray &p_diff) const {
 	for (const auto &[layer_id, content] : summary.layers) {
 		Dictionary layer = dictionary_of(content);
 		layer["layer"] = layer_with_id(layer_id);
-		layer["layer_id"] = number(layer_id);
+		layer["layer_id"] = to_variant(layer_id);
 		append(layers, layer);
 	}
 	Dictionary result;
 	result["error"] = static_cast<int64_t>(error_of(status));
 	result["message"] = status.ok() ? String() : String(describe(status).c_str());
 	result["replaces_everything"] = summary.replaces_everything;
-	result["origin"] = number(summary.origin.name);
-	result["base_revision"] = number(summary.origin.base);
-	result["revision"] = number(summary.origin.end);
+	result["origin"] = to_variant(summary.origin.name);
+	result["base_revision"] = to_variant(summary.origin.base);
+	result["revision"] = to_variant(summary.origin.end);
 	result["time"] = summary.time;
-	result["changes"] = number(summary.changes);
+	result["changes"] = to_variant(summary.changes);
 	result["layers"] = layers;
 	return result;
 }
@@ -97,10 +97,10 @@ int64_t ScatterState::get_known_revision(int64_t p_origin) const {
 }
 
 int64_t ScatterState::get_missing_since(const PackedByteArray &p_diff) const {
-	bool missing = false;
+	bool is_missing = false;
 	std::uint64_t since = 0;
-	const Error error = report_outcome("get_missing_since", state_.missing_before(span_of(p_diff), missing, since));
-	return error == OK && missing ? static_cast<int64_t>(since) : -1;
+	const Error error = report_outcome("get_missing_since", state_.missing_before(span_of(p_diff), is_missing, since));
+	return error == OK && is_missing ? static_cast<int64_t>(since) : -1;
 }
 
 } // namespace thicket

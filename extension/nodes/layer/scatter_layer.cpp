@@ -62,13 +62,13 @@ bool ScatterLayer::_set(const StringName &p_name, const Variant &p_value) {
 		return set_renamed(this, p_name, p_value);
 	}
 	convert_former_lods(false);
-	changed();
+	mark_changed();
 	return true;
 }
 
 void ScatterLayer::take_id(std::int64_t p_id) {
 	identity_.layer_id = p_id;
-	changed();
+	mark_changed();
 }
 
 bool ScatterLayer::affects_placement(const StringName &p_property) const {

@@ -404,7 +404,7 @@ private:
 	void set_value(const char *p_property, const godot::Ref<ScatterValueSource> &p_value,
 			godot::Ref<ScatterValueSource> &r_current);
 	bool set_former_value(const godot::StringName &p_name, const godot::Variant &p_value);
-	void changed();
+	void mark_changed();
 	std::uint64_t hidden_properties() const;
 
 	void add_number_problems(godot::PackedStringArray &r_problems) const;

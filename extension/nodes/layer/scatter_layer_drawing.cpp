@@ -36,7 +36,7 @@ constexpr std::array geometry_properties{
 
 void ScatterLayer::set_material_override(const Ref<Material> &p_material) {
 	material_override_ = p_material;
-	changed();
+	mark_changed();
 }
 
 Ref<Material> ScatterLayer::get_material_override() const { return material_override_; }

@@ -34,7 +34,7 @@ void ScatterLayer::set_convex_hulls(const Array &p_hulls) {
 		}
 		convex_hulls_.push_back(std::move(hull));
 	}
-	changed();
+	mark_changed();
 }
 
 Array ScatterLayer::get_convex_hulls() const {
@@ -48,7 +48,7 @@ Array ScatterLayer::get_convex_hulls() const {
 void ScatterLayer::set_mask_texture_image(const Ref<Image> &p_image) {
 	tables_.mask_texture_image = p_image;
 	tables_.mask_texture.must_read = true;
-	changed();
+	mark_changed();
 }
 
 Ref<Image> ScatterLayer::get_mask_texture_image() const { return tables_.mask_texture_image; }

@@ -186,7 +186,7 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 	if (body_extent.radius > 0.0) {
 		gameplay_.collision.shape = BodyShape::model;
 	}
-	changed();
+	mark_changed();
 	return true;
 }
 

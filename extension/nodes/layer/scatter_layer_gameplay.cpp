@@ -44,7 +44,7 @@ void ScatterLayer::set_collision_shape(CollisionShape p_shape) {
 				COLLISION_MODEL) &&
 			get_collision_shape() != p_shape) {
 		gameplay_.collision.shape = static_cast<BodyShape>(p_shape);
-		changed();
+		mark_changed();
 	}
 }
 
@@ -60,7 +60,7 @@ void ScatterLayer::set_physics_material(const Ref<PhysicsMaterial> &p_material) 
 	watch(physics_material_.ptr(), "changed", this, "emit_changed", false);
 	physics_material_ = p_material;
 	watch(physics_material_.ptr(), "changed", this, "emit_changed", true);
-	changed();
+	mark_changed();
 }
 
 Ref<PhysicsMaterial> ScatterLayer::get_physics_material() const { return physics_material_; }
@@ -68,7 +68,7 @@ Ref<PhysicsMaterial> ScatterLayer::get_physics_material() const { return physics
 void ScatterLayer::set_scene(const Ref<PackedScene> &p_scene) {
 	if (scene_ != p_scene) {
 		scene_ = p_scene;
-		changed();
+		mark_changed();
 	}
 }
 

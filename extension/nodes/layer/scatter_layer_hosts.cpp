@@ -28,7 +28,7 @@ void ScatterLayer::set_surface_layers(const Array &p_layers) {
 	}
 	surface_layers_ = stored_references;
 	links_.surface_layers = std::move(core_references);
-	changed();
+	mark_changed();
 }
 
 Array ScatterLayer::get_surface_layers() const { return current_references(surface_layers_); }

@@ -104,7 +104,7 @@ void ScatterLayer::_validate_property(PropertyInfo &p_property) const {
 	}
 }
 
-void ScatterLayer::changed() {
+void ScatterLayer::mark_changed() {
 	const std::uint64_t hidden_bits = hidden_properties();
 	if (std::exchange(hidden_properties_, hidden_bits) != hidden_bits) {
 		notify_property_list_changed();

@@ -31,7 +31,7 @@ void ScatterLayer::set_mask(const Ref<ScatterMask> &p_mask) {
 	watch_mask(false);
 	mask_ = p_mask;
 	watch_mask(true);
-	changed();
+	mark_changed();
 }
 
 Ref<ScatterMask> ScatterLayer::get_mask() const { return mask_; }
@@ -55,7 +55,7 @@ void ScatterLayer::set_mask_texture_rect(const Rect2 &p_rect) {
 		mask_texture_rect_ = p_rect;
 		mask_frame_.area.min = {p_rect.position.x, p_rect.position.y};
 		mask_frame_.area.max = mask_frame_.area.min + glm::dvec2{p_rect.size.x, p_rect.size.y};
-		changed();
+		mark_changed();
 	}
 }
 

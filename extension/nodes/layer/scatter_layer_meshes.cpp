@@ -40,7 +40,7 @@ void ScatterLayer::set_meshes(const Array &p_meshes) {
 	if (accept_count(p_meshes) && new_meshes.set_entries(p_meshes)) {
 		replace_meshes(new_meshes);
 		convert_former_lods(false);
-		changed();
+		mark_changed();
 	}
 }
 
@@ -69,7 +69,7 @@ void ScatterLayer::take_mesh_changes() {
 	}
 	watch_meshes(true);
 	if (is_accepted) {
-		changed();
+		mark_changed();
 	}
 }
 
@@ -131,7 +131,7 @@ void ScatterLayer::set_mesh_weights(const PackedFloat32Array &p_weights) {
 		}
 	}
 	mesh_weights_ = p_weights;
-	changed();
+	mark_changed();
 }
 
 PackedFloat32Array ScatterLayer::get_mesh_weights() const { return mesh_weights_; }
@@ -150,7 +150,7 @@ void ScatterLayer::set_mesh_density_expressions(const PackedStringArray &p_texts
 	}
 	if (expressions != mesh_expressions_) {
 		mesh_expressions_ = std::move(expressions);
-		changed();
+		mark_changed();
 	}
 }
 

@@ -75,7 +75,7 @@ void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 	spacing.make_read_only();
 	spacing_property_ = spacing;
 	links_.spacing = std::move(link_distances);
-	changed();
+	mark_changed();
 }
 
 Dictionary ScatterLayer::get_spacing() const {
@@ -96,7 +96,7 @@ void ScatterLayer::set_proximity_layer(const Variant &p_layer) {
 	if (reference.get_type() != Variant::NIL && core_reference(reference) != links_.proximity_layer) {
 		proximity_layer_ = reference;
 		links_.proximity_layer = core_reference(reference);
-		changed();
+		mark_changed();
 	}
 }
 

@@ -84,7 +84,7 @@ void ScatterLayer::set_number(double p_value) {
 	double &value = part<PartOf<property>>(*this).*property.member;
 	if (accept_number(ScatterLayer::class_name, property.name, p_value, min, property.max) && value != p_value) {
 		value = p_value;
-		changed();
+		mark_changed();
 	}
 }
 
@@ -100,7 +100,7 @@ void ScatterLayer::set_integer(int64_t p_value) {
 				static_cast<double>(property.min), static_cast<double>(property.max)) &&
 			static_cast<int64_t>(value) != p_value) {
 		value = static_cast<std::remove_reference_t<decltype(value)>>(p_value);
-		changed();
+		mark_changed();
 	}
 }
 
@@ -114,7 +114,7 @@ void ScatterLayer::set_switch(bool p_value) {
 	bool &value = part<PartOf<property>>(*this).*property.member;
 	if (value != p_value) {
 		value = p_value;
-		changed();
+		mark_changed();
 	}
 }
 
@@ -146,7 +146,7 @@ godot::Ref<ResourceOf<property>> ScatterLayer::get_resource() const {
 template <const auto &property>
 void ScatterLayer::resource_changed() {
 	resources_[property.name].remake = &ScatterLayer::remake<property>;
-	changed();
+	mark_changed();
 }
 
 template <const auto &property>

@@ -14,7 +14,7 @@ void ScatterLayer::set_rows(const Ref<ScatterRows> &p_rows) {
 	watch(rows_.ptr(), "changed", this, "_rows_changed", false);
 	rows_ = p_rows;
 	watch(rows_.ptr(), "changed", this, "_rows_changed", true);
-	changed();
+	mark_changed();
 }
 
 /// Returns the layer's point set, without its seed and layer ID.
@@ -48,7 +48,7 @@ void ScatterLayer::add_row_problems(PackedStringArray &r_problems) const {
 void ScatterLayer::bind_rows() {
 	bind_guarded<&ScatterLayer::set_rows>(D_METHOD("set_rows", "rows"));
 	bind_guarded<&ScatterLayer::get_rows>(D_METHOD("get_rows"));
-	bind_guarded<&ScatterLayer::changed>(ThreadUse::relayed, D_METHOD("_rows_changed"));
+	bind_guarded<&ScatterLayer::mark_changed>(ThreadUse::relayed, D_METHOD("_rows_changed"));
 	add_layer_property(PropertyUse::placement,
 			PropertyInfo(Variant::OBJECT, "rows", PROPERTY_HINT_RESOURCE_TYPE, ScatterRows::class_name), "set_rows",
 			"get_rows");

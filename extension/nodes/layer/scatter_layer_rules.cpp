@@ -60,7 +60,7 @@ void ScatterLayer::set_ground_textures(const PackedInt32Array &p_textures) {
 		}
 	}
 	ground_textures_ = p_textures;
-	changed();
+	mark_changed();
 }
 
 PackedInt32Array ScatterLayer::get_ground_textures() const { return ground_textures_; }
@@ -70,7 +70,7 @@ void ScatterLayer::set_density_expression(const String &p_text) {
 	if (compile_text("ScatterLayer.density_expression", p_text, expression) &&
 			expression != settings_.rules.expression) {
 		settings_.rules.expression = std::move(expression);
-		changed();
+		mark_changed();
 	}
 }
 
@@ -109,7 +109,7 @@ TypedArray<ScatterRule> ScatterLayer::get_density_rules() const {
 
 void ScatterLayer::density_rule_changed() {
 	density_rules_outdated_ = true;
-	changed();
+	mark_changed();
 }
 
 /// Replaces the rules in the settings. Runs the scripts of the rules, which may change this layer.

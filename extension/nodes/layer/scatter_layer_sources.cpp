@@ -154,7 +154,7 @@ void ScatterLayer::set_value(
 	watch_values(false);
 	r_current = p_value;
 	watch_values(true);
-	changed();
+	mark_changed();
 }
 
 void ScatterLayer::set_color_value(const Ref<ScatterValueSource> &p_value) {
