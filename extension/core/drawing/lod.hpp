@@ -15,7 +15,7 @@ inline constexpr double max_lod_distance = 1e6; ///< Maximum of all LOD distance
 /// instances remains.
 inline constexpr double max_scale_compensation = 4.0;
 
-inline constexpr double max_lod_fade = 0.5;
+inline constexpr double max_lod_fade = 0.5; ///< Maximum of LodSettings::fade.
 inline constexpr double default_lod_fade = 0.1;
 
 /// When a viewer returns, a finer mesh replaces a coarser one at this fraction of the distance at

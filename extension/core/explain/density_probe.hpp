@@ -61,7 +61,7 @@ public:
 	Status evaluate(std::span<const Ground> ground);
 
 	/// These functions return the ground at one position, the density there (0 to 1), and all
-	/// factors of the density (see product_of). `index` is that of the position in the call to
+	/// factors of the density (see product_of). `index` is the position's index in the call to
 	/// `find`. A successful `evaluate` is required. `factors_at` replaces the content of
 	/// `r_factors`.
 	const Ground &ground_at(std::size_t index) const;

@@ -48,7 +48,7 @@ FrameLevels::FrameLevels(int side) : side_(side) {
 	}
 }
 
-void FrameLevels::take(const FrameRaster &raster) {
+void FrameLevels::compute(const FrameRaster &raster) {
 	average(raster);
 	for (int level = 1; level < count(); ++level) {
 		shrink(level);

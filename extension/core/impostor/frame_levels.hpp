@@ -24,7 +24,7 @@ public:
 	explicit FrameLevels(int side);
 
 	/// Computes all levels from a raster, whose side must be a multiple of this frame's side.
-	void take(const FrameRaster &raster);
+	void compute(const FrameRaster &raster);
 
 	int count() const { return static_cast<int>(levels_.size()); }
 	int side(int level) const { return side_ >> level; }

@@ -96,7 +96,7 @@ Status render_frames(std::span<const ImpostorSurface> surfaces, const Progress &
 		for (std::size_t surface = 0; surface < surfaces.size(); ++surface) {
 			raster.draw(surfaces[surface], tints[surface], view);
 		}
-		frame.take(raster);
+		frame.compute(raster);
 		atlas.put(column, row, frame);
 		if (progress.report) {
 			progress.report(static_cast<double>(index + 1) / count, static_cast<std::uint64_t>(index) + 1);

@@ -136,7 +136,7 @@ void TileDisplay::show(TileUpload upload) {
 	upload.tile.needs_fade_visuals = tile.needs_fade_visuals;
 	// Hide the old visuals first. If both were visible, each instance would be drawn twice.
 	tile.set_visible(false);
-	leave(std::move(tile));
+	release_visuals(std::move(tile));
 	tile = std::move(upload.tile);
 	if (upload.overlay_version != redraws_.version()) {
 		patch(key, tile);
@@ -149,13 +149,13 @@ void TileDisplay::show(TileUpload upload) {
 	tile.set_visible(visible_);
 }
 
-void TileDisplay::leave(DisplayedTile &&tile) {
+void TileDisplay::release_visuals(DisplayedTile &&tile) {
 	for (DisplayedTile::Part &part : tile.parts) {
-		leave(std::move(part.cells));
+		release_visuals(std::move(part.cells));
 	}
 }
 
-void TileDisplay::leave(std::vector<DisplayedTile::Cell> &&cells) {
+void TileDisplay::release_visuals(std::vector<DisplayedTile::Cell> &&cells) {
 	for (DisplayedTile::Cell &cell : cells) {
 		cell.for_each_visual([this](TileVisual &visual) { leaving_visuals_.add(std::move(visual)); });
 	}
@@ -177,7 +177,7 @@ bool TileDisplay::drop(const TileKey &key) {
 		std::erase(tiles_to_fade_, key);
 	}
 	budget_.remove(entry->second.amounts());
-	leave(std::move(entry->second));
+	release_visuals(std::move(entry->second));
 	tiles_.erase(entry);
 	schedule_.remove(key);
 	divisions_.capacity_gained(TileMeasures(*this));
@@ -187,7 +187,7 @@ bool TileDisplay::drop(const TileKey &key) {
 void TileDisplay::retire() {
 	cancel_division();
 	for (auto &[key, tile] : tiles_) {
-		leave(std::move(tile));
+		release_visuals(std::move(tile));
 	}
 	LeavingVisuals kept_visuals = std::exchange(leaving_visuals_, {});
 	clear();

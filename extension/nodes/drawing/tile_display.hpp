@@ -115,7 +115,7 @@ public:
 	void show(TileUpload upload);
 
 	/// Discards a tile that was never displayed. `free_step` frees its content step by step.
-	void discard(TileUpload upload) { leave(std::move(upload.tile)); }
+	void discard(TileUpload upload) { release_visuals(std::move(upload.tile)); }
 
 	/// Returns true if a tile with this key is displayed.
 	bool contains(const TileKey &key) const;
@@ -190,8 +190,9 @@ public:
 private:
 	using Tiles = std::map<TileKey, DisplayedTile, TileKeyOrder>;
 	Tiles::const_iterator first_tile_of(std::uint32_t layer) const;
-	void leave(DisplayedTile &&tile);
-	void leave(std::vector<DisplayedTile::Cell> &&cells);
+	/// These functions move all visuals of a tile, or of cells, to `leaving_visuals_`.
+	void release_visuals(DisplayedTile &&tile);
+	void release_visuals(std::vector<DisplayedTile::Cell> &&cells);
 	void visit_all();
 	void apply_drawing(const TileKey &key, DisplayedTile &r_tile);
 	void refine(const TileKey &key, DisplayedTile &r_tile);

@@ -83,7 +83,7 @@ void TileDisplay::finish_division(DisplayedTile &r_tile) {
 	for (std::size_t mesh = 0; mesh < next.size(); ++mesh) {
 		std::swap(r_tile.parts[mesh].cells, next[mesh].cells);
 		std::swap(r_tile.parts[mesh].division, next[mesh].division);
-		leave(std::move(next[mesh].cells));
+		release_visuals(std::move(next[mesh].cells));
 	}
 	r_tile.cells_per_edge = cells_per_edge;
 	r_tile.check_all_cells = true;
@@ -99,7 +99,7 @@ void TileDisplay::finish_division(DisplayedTile &r_tile) {
 
 void TileDisplay::cancel_division() {
 	for (DisplayedTile::Part &part : next_parts_) {
-		leave(std::move(part.cells));
+		release_visuals(std::move(part.cells));
 	}
 	next_parts_.clear();
 	divisions_.cancel();

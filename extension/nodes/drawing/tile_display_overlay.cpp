@@ -195,7 +195,7 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 		}
 	}
 	r_part = std::move(next);
-	leave(std::move(removed_cells));
+	release_visuals(std::move(removed_cells));
 	return true;
 }
 

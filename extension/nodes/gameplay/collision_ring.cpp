@@ -15,12 +15,11 @@ namespace thicket {
 
 namespace {
 
-/// The maximum number of earlier world frames to remember. Bodies still placed with one of them
-/// may be near the viewers.
+/// The maximum number of earlier world frames to remember. Bodies that are still placed with one of
+/// them may appear near the viewers.
 constexpr std::size_t max_frames = 8;
 
-/// Two world frames are treated as equal here if they differ by at most this many meters at every
-/// viewer.
+/// World frames that differ by at most this many meters at every viewer are treated as equal.
 constexpr double same_frame_tolerance = 4.0;
 
 /// The search for bodies near the viewers is repeated after one of the searched positions has moved

@@ -111,12 +111,13 @@ private:
 
 	struct PooledBody {
 		godot::RID rid;
-		std::uint64_t removed_frame = 0; ///< The frame in which it was removed.
+		std::uint64_t removed_frame = 0; ///< The frame in which the body was removed.
 	};
 
 	struct Layer {
 		CollisionLayer config;
-		/// A new number after every change, unique in the ring.
+		// The versions of the settings and of the shape. Each change assigns a number that is
+		// unique in the ring.
 		std::uint64_t settings_version = 0;
 		std::uint64_t shape_version = 0;
 		std::unordered_map<std::uint64_t, Body> bodies; ///< The bodies of the layer's instances, keyed by instance ID.

@@ -86,8 +86,8 @@ public:
 private:
 	/// The corners of a mesh's convex hull at scale 1.
 	struct Corners {
-		godot::AABB box; ///< The mesh's bounding box when the corners were read.
-		std::uint64_t id = 0;
+		godot::AABB box;      ///< The mesh's bounding box when the corners were read.
+		std::uint64_t id = 0; ///< Identifies the corners in keys; 0 before they are read.
 		std::vector<glm::vec3> points;
 	};
 

@@ -65,6 +65,7 @@ public:
 
 	/// Frees a large object on another thread.
 	virtual void free_on_worker(std::shared_ptr<const void> object) = 0;
+	/// Hides the mesh of an instance, or draws it again. `area` must contain the instance's point.
 	virtual void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) = 0;
 
 	/// Schedules a call to ScatterGameplay::recycle_scenes before this frame is drawn and before

@@ -154,7 +154,8 @@ bool ScatterState::set_data_by_id(std::uint64_t id, const Variant &p_data) {
 Variant ScatterState::get_instance_data(int64_t p_id) const { return decoded(state_.data(core_id(p_id))); }
 
 bool ScatterState::find_layer_ids(const char *p_method, const Variant &p_layers, std::vector<int> &r_ids) const {
-	// Names refer to these layers. The passed layers are appended.
+	// Names refer to these layers. The passed layers are appended; index -1 is a single layer that
+	// is not in a list.
 	TypedArray<ScatterLayer> candidates = layers_of_nodes();
 	const bool is_list = p_layers.get_type() == Variant::ARRAY;
 	const Array passed_layers = is_list ? static_cast<Array>(p_layers) : Array();

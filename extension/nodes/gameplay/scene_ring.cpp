@@ -62,7 +62,7 @@ bool SceneRing::step() {
 		return true;
 	}
 	// Remove scenes first, because added ones can reuse them.
-	if (leave_outdated() || leave_removed()) {
+	if (remove_outdated_scene() || remove_scene_of_removed()) {
 		return true;
 	}
 	PlacedInstance instance;
@@ -71,34 +71,34 @@ bool SceneRing::step() {
 		return true;
 	}
 	for (HeldRelease release; queue_.next_leaving(release);) {
-		if (leave(release)) {
+		if (remove_scene(release)) {
 			return true;
 		}
 	}
 	const bool has_entering = queue_.next_entering(instance);
 	if (has_entering) {
-		enter(instance);
+		add_scene(instance);
 	}
 	return has_entering;
 }
 
 /// Removes a scene that its layer no longer uses, so that the instance can get the layer's new
 /// scene. Returns false if there is none to remove.
-bool SceneRing::leave_outdated() {
+bool SceneRing::remove_outdated_scene() {
 	for (PlacedInstance instance; queue_.next_due(instance);) {
 		const Key key{instance.id, instance.layer};
 		const auto entry = displayed_scenes_.find(key);
 		if (entry != displayed_scenes_.end() && !(entry->second.scene == layers_[key.layer].settings.scene)) {
 			queue_.release(key.layer, key.id);
-			return leave(key);
+			return remove_scene(key);
 		}
 	}
 	return false;
 }
 
-bool SceneRing::leave_removed() {
+bool SceneRing::remove_scene_of_removed() {
 	for (HeldRelease release; queue_.next_removed(release);) {
-		if (leave(release)) {
+		if (remove_scene(release)) {
 			return true;
 		}
 	}
@@ -107,14 +107,14 @@ bool SceneRing::leave_removed() {
 
 /// Removes the scene of an instance, unless the queue has since found the instance in another cell.
 /// The instance then keeps its scene at the new position.
-bool SceneRing::leave(const HeldRelease &release) {
+bool SceneRing::remove_scene(const HeldRelease &release) {
 	const auto entry = displayed_scenes_.find({release.id, release.layer});
 	return entry != displayed_scenes_.end() && entry->second.instance.position == release.position &&
-			leave(Key{release.id, release.layer});
+			remove_scene(Key{release.id, release.layer});
 }
 
 /// Removes the scene of an instance. Returns false if it has none. Runs scripts.
-bool SceneRing::leave(const Key &key) {
+bool SceneRing::remove_scene(const Key &key) {
 	auto entry = displayed_scenes_.extract(key);
 	if (!entry) {
 		return false;
@@ -127,7 +127,7 @@ bool SceneRing::leave(const Key &key) {
 
 /// Adds the scene of an instance. Runs scripts, which may free the node, drop the instance or
 /// change the layers.
-void SceneRing::enter(const PlacedInstance &instance) {
+void SceneRing::add_scene(const PlacedInstance &instance) {
 	if (displayed_scenes_.contains({instance.id, instance.layer})) {
 		move(instance);
 		return;

@@ -133,11 +133,11 @@ private:
 
 	void update_distances();
 	void move(const PlacedInstance &instance);
-	bool leave(const Key &key);
-	bool leave(const HeldRelease &release);
-	bool leave_removed();
-	bool leave_outdated();
-	void enter(const PlacedInstance &instance);
+	bool remove_scene(const Key &key);
+	bool remove_scene(const HeldRelease &release);
+	bool remove_scene_of_removed();
+	bool remove_outdated_scene();
+	void add_scene(const PlacedInstance &instance);
 
 	bool is_own_scene(const DisplayedScene &displayed_scene) const;
 	godot::Transform3D transform_of(const PlacedInstance &instance) const;

@@ -12,8 +12,8 @@ namespace thicket {
 using SharedExpression = std::shared_ptr<const DensityExpression>;
 
 /// Compiles the text of a property, such as "ScatterLayer.density_expression". A blank text sets
-/// `r_expression` to null, and the text that it already has leaves it unchanged. If the text is
-/// invalid, prints an error, returns false and leaves `r_expression` unchanged.
+/// `r_expression` to null. If the text is unchanged, `r_expression` keeps its object. If the text
+/// is invalid, prints an error, returns false and leaves `r_expression` unchanged.
 bool compile_text(const std::string &property, const godot::String &p_text, SharedExpression &r_expression);
 
 /// Returns the text of an expression, or an empty text for null.

@@ -17,8 +17,8 @@
 
 namespace thicket {
 
-/// These functions copy resources for workers, which must not use the engine's resources. Call them
-/// on the main thread. Their results never change.
+// These functions copy resources for workers, which must not use the engine's resources. Call them
+// on the main thread. Their results never change.
 
 /// The number of segments in a curve's table. Values are exact at the ends of each segment and
 /// linearly interpolated in between.

@@ -189,7 +189,7 @@ public:
 	godot::TypedArray<ScatterRule> get_density_rules() const;
 	void density_rule_changed();
 
-	/// Makes the next snapshot use all rules again, because they may have changed without a signal.
+	/// Makes the next snapshot rebuild all density rules, which may have changed without a signal.
 	void distrust_density_rules() { density_rules_outdated_ = !density_rules_.empty(); }
 
 	/// Sets the distances in meters to keep from the instances of other layers. A key is a

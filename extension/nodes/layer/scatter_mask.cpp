@@ -98,10 +98,10 @@ void ScatterMask::set_data(const PackedByteArray &p_data) {
 		clear();
 		return;
 	}
-	report(class_name, take(span_of(p_data)));
+	report(class_name, replace_content(span_of(p_data)));
 }
 
-Status ScatterMask::take(std::span<const std::uint8_t> bytes) {
+Status ScatterMask::replace_content(std::span<const std::uint8_t> bytes) {
 	const Status status = mask_.from_bytes(bytes);
 	if (status.ok()) {
 		// The bytes store the background in steps of 1/255; the scene stores it more precisely.

@@ -113,7 +113,7 @@ private:
 
 	/// Replaces the whole mask with the content of the bytes. If they are invalid, leaves the mask
 	/// unchanged.
-	Status take(std::span<const std::uint8_t> bytes);
+	Status replace_content(std::span<const std::uint8_t> bytes);
 	godot::Rect2 emit_area_changed(const Status &status, const Rect &changed_area);
 
 	static void bind_planets();

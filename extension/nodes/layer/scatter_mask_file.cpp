@@ -13,8 +13,8 @@ Error ScatterMask::save_to_file(const String &p_path) const {
 }
 
 Error ScatterMask::load_from_file(const String &p_path) {
-	return load_saved_file(
-			"ScatterMask.load_from_file", p_path, [this](std::span<const std::uint8_t> bytes) { return take(bytes); });
+	return load_saved_file("ScatterMask.load_from_file", p_path,
+			[this](std::span<const std::uint8_t> bytes) { return replace_content(bytes); });
 }
 
 } // namespace thicket
