@@ -13,7 +13,7 @@ namespace thicket {
 namespace {
 
 /// Smallest cell size, as a fraction of the distance of a change.
-constexpr double cell_per_distance = 0.25;
+constexpr double cell_size_per_distance = 0.25;
 /// Distance past the point of change at which the division actually changes, in tile sizes.
 constexpr double hysteresis = 0.1;
 constexpr double min_division_margin = 0.125; ///< Minimum result of division_margin, in tile sizes.
@@ -36,7 +36,8 @@ double first_change(const LodSettings &lod, double near, double far) {
 /// Returns the division for a distance, without hysteresis.
 std::uint32_t division_for(const CellSettings &cells, const LodSettings &lod, double distance) {
 	const double size = cells.tile_size;
-	const double min_cell_size = cell_per_distance * first_change(lod, distance, distance + std::numbers::sqrt2 * size);
+	const double min_cell_size =
+			cell_size_per_distance * first_change(lod, distance, distance + std::numbers::sqrt2 * size);
 	std::uint32_t cells_per_edge = cells.finest_division;
 	while (cells_per_edge > 1 && size / cells_per_edge < min_cell_size) {
 		cells_per_edge /= 2;
@@ -82,7 +83,7 @@ double division_margin(const CellSettings &cells, const LodSettings &lod, double
 	// Tiles are drawn as a whole beyond the smaller of two distances. Beyond the first distance,
 	// even the largest cell (half a tile) is smaller than necessary. Beyond the second, neither the
 	// mesh nor the thinning changes.
-	const double small_cell_distance = 0.5 / cell_per_distance * cells.tile_size;
+	const double small_cell_distance = 0.5 / cell_size_per_distance * cells.tile_size;
 	const double last_change =
 			std::max(lod.lod_distances.empty() ? 0.0 : lod.lod_distances.back(), thins ? lod.thin_end : 0.0);
 	const double farthest = std::min(small_cell_distance, last_change) + hysteresis * cells.tile_size;

@@ -101,6 +101,7 @@ struct DisplayedTile {
 
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 	bool draws_anything() const { return min.x <= max.x; }
+	/// Extends the bounds so that they contain a box.
 	void grow(const godot::AABB &box);
 	void set_visible(bool visible);
 	void set_frame(const WorldFrame &frame);

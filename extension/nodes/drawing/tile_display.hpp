@@ -229,7 +229,7 @@ private:
 	DivisionQueue::Multimeshes total_multimeshes() const {
 		return {budget_.amounts().multimeshes, budget_.max_multimeshes()};
 	}
-	std::uint32_t division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t displayed) const;
+	std::uint32_t division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t current_division) const;
 	void continue_division();
 	void finish_division(DisplayedTile &r_tile);
 	void cancel_division();

@@ -10,12 +10,13 @@ using namespace godot;
 
 namespace thicket {
 
-/// Returns the required division of a tile. `displayed_mesh` is its current division; 0 if it has
-/// not been displayed yet.
-std::uint32_t TileDisplay::division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t displayed) const {
+/// Returns the required division of a tile. `current_division` is 0 for a tile that has not been
+/// displayed yet.
+std::uint32_t TileDisplay::division_of(
+		const TileKey &key, const DisplayedTile &tile, std::uint32_t current_division) const {
 	const LayerSnapshot *layer = layers_.find(key.layer);
 	return layer != nullptr && tile.draws_anything()
-			? division_at(layer->cells, layer->lod, distance_to(key.layer, tile), displayed)
+			? division_at(layer->cells, layer->lod, distance_to(key.layer, tile), current_division)
 			: 1;
 }
 

@@ -33,7 +33,8 @@ struct Parser {
 	std::vector<Entry> nodes;
 
 	/// Sets the parser's callback to the method of the first node, or removes it if the list is
-	/// empty. If `deferred` is true, defers this, because the engine is running the current callback.
+	/// empty. If `deferred` is true, does so later, because the engine is running the current
+	/// callback.
 	void update_callback(bool deferred) const {
 		NavigationServer3D *server = NavigationServer3D::get_singleton();
 		const Callable callback = nodes.empty() ? Callable() : Callable(nodes.front().node, nodes.front().method);

@@ -27,7 +27,7 @@ struct NavigationBake {
 	glm::dmat3 basis{1.0};
 	glm::dvec3 origin{0.0};
 
-	// The box to bake, in the bake's space. If there is none, `min` is above `max`.
+	// The box to bake, in the bake's space. If there is no box, `min` is above `max`.
 	glm::dvec3 min{1.0};
 	glm::dvec3 max{-1.0};
 };

@@ -43,6 +43,7 @@ protected:
 private:
 	bool finish(const godot::Ref<ScatterInstances> &p_result, bool p_canceled);
 	void notify_later();
+	/// Emits the signal. `p_self` keeps the request alive until then.
 	void notify(const godot::Ref<ScatterRequest> &p_self);
 
 	mutable std::mutex mutex_; ///< Guards the following members.

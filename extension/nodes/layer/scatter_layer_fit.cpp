@@ -41,6 +41,7 @@ struct Extent {
 	}
 };
 
+/// Adds the triangles of a surface to a measure. Skips triangles with invalid indices.
 void measure(const Array &p_arrays, ModelMeasure &r_measure) {
 	if (p_arrays.size() <= SurfaceStream::indices) {
 		return;
@@ -53,16 +54,16 @@ void measure(const Array &p_arrays, ModelMeasure &r_measure) {
 	const int32_t *index = indices.ptr();
 	for (int64_t first = 0; first + 2 < count; first += 3) {
 		std::array<glm::dvec3, 3> triangle{};
-		bool is_whole = true;
+		bool is_valid = true;
 		for (std::size_t corner = 0; corner < 3; ++corner) {
 			const int64_t element = first + static_cast<int64_t>(corner);
 			const int64_t vertex = is_indexed ? index[element] : element;
-			is_whole = is_whole && vertex >= 0 && vertex < positions.size();
-			if (is_whole) {
+			is_valid = is_valid && vertex >= 0 && vertex < positions.size();
+			if (is_valid) {
 				triangle[corner] = to_core(position[vertex]);
 			}
 		}
-		if (is_whole) {
+		if (is_valid) {
 			r_measure.add(triangle);
 		}
 	}
