@@ -20,6 +20,7 @@ public:
 	/// are displayed.
 	void measure(const TileDisplay &display, std::span<const SharedSnapshot> layers);
 
+	/// Adds a message for each of these layers to `r_problems`.
 	void add_problems(std::span<const SharedSnapshot> layers, godot::PackedStringArray &r_problems) const;
 
 private:

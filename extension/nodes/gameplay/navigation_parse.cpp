@@ -113,21 +113,22 @@ Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	corners[2] = Vector3(0, probe_distance, 0);
 	corners[3] = Vector3(0, 0, probe_distance);
 	r_geometry.add_faces(faces, Transform3D());
-	const PackedFloat32Array probed = r_geometry.get_vertices();
+	const PackedFloat32Array all_vertices = r_geometry.get_vertices();
 	// `set_indices` accepts at most as many indices as there are floats in the vertices. Most
 	// meshes have more indices, so the vertices are padded first.
 	r_geometry.set_vertices(resized_copy(vertices, std::max(vertices.size(), indices.size())));
 	r_geometry.set_indices(indices);
 	r_geometry.set_vertices(vertices);
-	if (probed.size() < vertices.size() + 12) {
+	if (all_vertices.size() < vertices.size() + 12) {
 		return {};
 	}
-	const float *probe = probed.ptr() + vertices.size();
+	const float *probe_vertices = all_vertices.ptr() + vertices.size();
 	Transform3D space;
 	for (int axis = 0; axis < 3; ++axis) {
-		space.origin[axis] = probe[axis];
-		space.basis.rows[axis] = Vector3((probe[3 + axis] - probe[axis]) / probe_distance,
-				(probe[6 + axis] - probe[axis]) / probe_distance, (probe[9 + axis] - probe[axis]) / probe_distance);
+		space.origin[axis] = probe_vertices[axis];
+		space.basis.rows[axis] = Vector3((probe_vertices[3 + axis] - probe_vertices[axis]) / probe_distance,
+				(probe_vertices[6 + axis] - probe_vertices[axis]) / probe_distance,
+				(probe_vertices[9 + axis] - probe_vertices[axis]) / probe_distance);
 	}
 	return space;
 }

@@ -96,6 +96,7 @@ bool SceneRing::remove_outdated_scene() {
 	return false;
 }
 
+/// Removes the scene of one removed instance. Returns false if there is none.
 bool SceneRing::remove_scene_of_removed() {
 	for (HeldRelease release; queue_.next_removed(release);) {
 		if (remove_scene(release)) {

@@ -26,6 +26,7 @@ constexpr NumberProperty proximity_distance{"proximity_distance", &LayerLinks::p
 constexpr SwitchProperty spacing_fills{"spacing_fills", "is_spacing_filling", &LayerLinks::spacing_fills};
 constexpr ResourceProperty proximity_curve{"proximity_curve", &LayerLinks::proximity_curve, curve_table};
 
+/// Returns a number, or NAN for a value of any other type.
 double number_of(const Variant &p_value) {
 	const bool is_number = p_value.get_type() == Variant::FLOAT || p_value.get_type() == Variant::INT;
 	return is_number ? static_cast<double>(p_value) : std::numeric_limits<double>::quiet_NaN();

@@ -21,8 +21,8 @@ namespace thicket {
 using godot::METHOD_FLAG_CONST;
 using godot::METHOD_FLAG_VIRTUAL;
 
-/// A density rule of a ScatterLayer, implemented by a script. Emits `changed` when its densities may
-/// have changed; the script must do so, because only the script knows.
+/// A density rule of a ScatterLayer, implemented by a script. The script must emit `changed` when
+/// the densities may have changed.
 class ScatterRule : public godot::Resource {
 	GDCLASS(ScatterRule, godot::Resource)
 
