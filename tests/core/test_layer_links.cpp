@@ -226,7 +226,7 @@ TEST_CASE("layers: an unused name is kept, and a used one gets the lowest free n
 TEST_CASE("links: a layer that cannot fill gaps is reported") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("ivy"), layer_named("fern")};
 	layers[2].spacing_fills = true;
-	CHECK(problems(layers, 2, "needs a spacing to a layer that is earlier") == 1);
+	CHECK(problems(layers, 2, "there is no spacing between this layer and an earlier one") == 1);
 	layers[2].spacing = {{"oak", 3.0}};
 	CHECK(problems(layers, 2, "spacing_fills") == 0);
 	layers[1].on_surface = true;
