@@ -216,7 +216,7 @@ func test_missing_parts_cause_warnings() -> void:
 	scatter.ground = ScatterGround.new()
 	await settle(scatter)
 	var problems := "\n".join(scatter.get_problems())
-	for words: String in ["_get_heights", "Layer 0: empty", "Layer 2: ScatterLayer.meshes"]:
+	for words: String in ["_get_heights", "Layer 0: the entry is empty", "Layer 2: ScatterLayer.meshes"]:
 		check(words in problems, "'%s' in: %s" % [words, problems])
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles on a base ground")
 	scatter.ground = ScatterGroundFlat.new()

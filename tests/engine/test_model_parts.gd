@@ -29,7 +29,7 @@ func test_one_part_of_a_pack() -> void:
 	var mesh := model.get_mesh(0)
 	model.scene_part = "Missing"
 	check_equal(model.get_mesh(0), mesh, "the content stays")
-	check_error(["ScatterModel.scene", "no node \"Missing\"", "scene_part"], "a path without a node")
+	check_error(["ScatterModel.scene", "no descendant \"Missing\"", "scene_part"], "a path without a node")
 	check_equal(model.scene_part, "", "scene_part is restored to the last valid path")
 	model.scene_part = "Moved"
 	ResourceSaver.save(model, "user://part.tres")

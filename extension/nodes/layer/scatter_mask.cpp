@@ -49,7 +49,7 @@ Status with_script_names(Status status) {
 	if (std::string_view(status.property) == "region") {
 		status.property = "rect";
 	} else if (std::string_view(status.property) == "version") {
-		status.property = "version of data";
+		status.property = "version of ScatterMask.data";
 	}
 	return status;
 }
