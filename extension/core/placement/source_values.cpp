@@ -35,16 +35,19 @@ Status SourceValues::measure(const InstanceSource &source, const Layer &layer, c
 		std::transform(accepted.begin(), accepted.end(), r_values.begin(), value_of);
 	};
 	const Planet &planet = layer.own.settings().planet;
-	const auto ground_of = [&](std::uint32_t point) {
-		const Ground &ground = points.ground[point];
-		return planet.exists() ? on_planet(planet, points.positions[point], ground) : ground;
+	const auto each_ground = [&](const auto &value_of) {
+		if (planet.exists()) {
+			each([&](std::uint32_t point) {
+				return value_of(on_planet(planet, points.positions[point], points.ground[point]));
+			});
+		} else {
+			each([&](std::uint32_t point) { return value_of(points.ground[point]); });
+		}
 	};
 	switch (source.kind) {
 		case SourceKind::random: break;
-		case SourceKind::height: each([&](std::uint32_t point) { return double{ground_of(point).height}; }); break;
-		case SourceKind::slope:
-			each([&](std::uint32_t point) { return slope_degrees(ground_of(point).normal); });
-			break;
+		case SourceKind::height: each_ground([](const Ground &ground) { return double{ground.height}; }); break;
+		case SourceKind::slope: each_ground([](const Ground &ground) { return slope_degrees(ground.normal); }); break;
 		case SourceKind::rank:
 			std::transform(points.thinning_ranks.begin() + static_cast<std::ptrdiff_t>(first),
 					points.thinning_ranks.begin() + static_cast<std::ptrdiff_t>(first + r_values.size()),

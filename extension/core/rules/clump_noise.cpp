@@ -4,9 +4,6 @@
 #include "core/base/floating_point.hpp"
 #include "core/rules/clump_impulses.hpp"
 
-#include <glm/common.hpp>
-#include <glm/vector_relational.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -62,9 +59,11 @@ double density_of(const Clumping &clumping, double fraction) {
 }
 
 /// Returns true if a position in cells, on the plane or in space, is precise enough for noise.
-template <class Cells>
-bool is_resolved(const Cells &cells) {
-	return glm::all(glm::lessThan(glm::abs(cells), Cells(max_cells)));
+// Without the vector functions of GLM, which compilers do not inline here.
+bool is_resolved(const glm::dvec2 &cells) { return std::abs(cells.x) < max_cells && std::abs(cells.y) < max_cells; }
+
+bool is_resolved(const glm::dvec3 &cells) {
+	return std::abs(cells.x) < max_cells && std::abs(cells.y) < max_cells && std::abs(cells.z) < max_cells;
 }
 
 template <class Cells>

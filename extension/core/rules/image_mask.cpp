@@ -72,6 +72,17 @@ Status ImageMask::sample(std::span<const glm::dvec2> positions, std::span<float>
 	return {};
 }
 
+/// Interpolates at a position in the image; `fraction` is 0 to 1 along both axes.
+inline double ImageMask::interpolate(glm::dvec2 fraction, bool repeat_x, bool repeat_y) const {
+	const Taps across = taps_at(fraction.x * size_.x, size_.x, repeat_x);
+	const Taps along = taps_at(fraction.y * size_.y, size_.y, repeat_y);
+	const std::uint8_t *near = pixels_.data() + along.first * static_cast<std::size_t>(size_.x);
+	const std::uint8_t *far = pixels_.data() + along.second * static_cast<std::size_t>(size_.x);
+	return bilinear(near[across.first], near[across.second], far[across.first], far[across.second], across.part,
+				   along.part) /
+			255.0;
+}
+
 double ImageMask::at(glm::dvec2 position) const {
 	if (!std::isfinite(position.x) || !std::isfinite(position.y)) {
 		return 0.0;
@@ -98,17 +109,6 @@ double ImageMask::toward(const glm::dvec3 &from_center) const {
 		return 0.0;
 	}
 	return interpolate(sphere_image_position(from_center), true, false);
-}
-
-/// Interpolates at a position in the image; `fraction` is 0 to 1 along both axes.
-double ImageMask::interpolate(glm::dvec2 fraction, bool repeat_x, bool repeat_y) const {
-	const Taps across = taps_at(fraction.x * size_.x, size_.x, repeat_x);
-	const Taps along = taps_at(fraction.y * size_.y, size_.y, repeat_y);
-	const std::uint8_t *near = pixels_.data() + along.first * static_cast<std::size_t>(size_.x);
-	const std::uint8_t *far = pixels_.data() + along.second * static_cast<std::size_t>(size_.x);
-	return bilinear(near[across.first], near[across.second], far[across.first], far[across.second], across.part,
-				   along.part) /
-			255.0;
 }
 
 bool operator==(const ImageMask &a, const ImageMask &b) {

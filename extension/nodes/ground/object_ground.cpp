@@ -183,8 +183,8 @@ Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 		return {};
 	}
 	Variant result;
-	if (const Status status =
-					call(height_method_, "result of the height method of ScatterGroundNode.node", query_position, result);
+	if (const Status status = call(
+				height_method_, "result of the height method of ScatterGroundNode.node", query_position, result);
 			!status.ok()) {
 		return status;
 	}

@@ -124,8 +124,7 @@ void add_transform_problem(const Node3D &node, glm::dvec3 offset, PackedStringAr
 	}
 	const Transform3D transform = node.get_global_transform();
 	const bool is_moved_only = is_identity(to_core(transform.basis));
-	const String value =
-			is_moved_only ? vformat("is moved to %s", transform.origin) : String("is rotated or scaled");
+	const String value = is_moved_only ? vformat("is moved to %s", transform.origin) : String("is rotated or scaled");
 	r_problems.push_back(vformat("TerrainScatter3D.global_transform %s and has no effect: instances keep their "
 								 "positions in the world, while "
 								 "the node's ScatterRegion3Ds move with it. Reset the transforms of the node and "

@@ -166,7 +166,8 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 								: set_not_drawn("loading", "its tile is still being generated.");
 	}
 	const std::uint32_t rank = thinning_rank(r_explanation.rules.point.rank, r_explanation.rules.at_point.density);
-	if (const double fraction = display().drawn_fraction(layer.lod, nearest_distance); !thicket::is_placed(rank, fraction)) {
+	if (const double fraction = display().drawn_fraction(layer.lod, nearest_distance);
+			!thicket::is_placed(rank, fraction)) {
 		return set_not_drawn("thinning",
 				"only " + number_text(100.0 * fraction) +
 						" % of the layer's instances are drawn at this distance (see thin_density, quality and "
