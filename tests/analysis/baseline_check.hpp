@@ -87,26 +87,26 @@ private:
 
 	void enter(std::span<const glm::dvec2> points) {
 		cell_begin_.assign(index_of({0, cells_.y}) + 2, 0);
-		std::vector<glm::dvec2> inside;
+		std::vector<glm::dvec2> inside_points;
 		for (const glm::dvec2 point : points) {
 			if (point.x >= 0.0 && point.y >= 0.0 && point.x < domain_.size.x && point.y < domain_.size.y) {
-				inside.push_back(point);
+				inside_points.push_back(point);
 				++cell_begin_[index_of(cell_of(point)) + 2];
 			}
 		}
-		report_.outside = points.size() - inside.size();
+		report_.outside = points.size() - inside_points.size();
 		for (std::size_t i = 1; i < cell_begin_.size(); ++i) {
 			cell_begin_[i] += cell_begin_[i - 1];
 		}
-		points_.resize(inside.size());
-		for (const glm::dvec2 point : inside) {
+		points_.resize(inside_points.size());
+		for (const glm::dvec2 point : inside_points) {
 			points_[cell_begin_[index_of(cell_of(point)) + 1]++] = point;
 		}
 	}
 
 	/// Returns the vector from `from` to `to`. On a torus, it crosses the edges if that is shorter.
-	glm::dvec2 offset(glm::dvec2 from, glm::dvec2 to) const {
-		const glm::dvec2 straight = to - from;
+	glm::dvec2 offset(glm::dvec2 from, glm::dvec2 target) const {
+		const glm::dvec2 straight = target - from;
 		return domain_.toroidal ? straight - domain_.size * glm::round(straight / domain_.size) : straight;
 	}
 
@@ -166,12 +166,12 @@ private:
 		Nearby meeting;
 		double nearest = std::numeric_limits<double>::infinity();
 		for (std::size_t i = 0; i < nearby.count; ++i) {
-			const glm::dvec2 away = glm::abs(nearby.points[i] - r_middle);
-			if (squared(away + half) <= reach_ * reach_) {
+			const glm::dvec2 middle_offset = glm::abs(nearby.points[i] - r_middle);
+			if (squared(middle_offset + half) <= reach_ * reach_) {
 				return true;
 			}
-			nearest = std::min(nearest, squared(away));
-			if (squared(glm::max(away - half, 0.0)) < reach_ * reach_) {
+			nearest = std::min(nearest, squared(middle_offset));
+			if (squared(glm::max(middle_offset - half, 0.0)) < reach_ * reach_) {
 				meeting.points[meeting.count++] = nearby.points[i];
 			}
 		}

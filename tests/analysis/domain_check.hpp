@@ -177,12 +177,12 @@ private:
 				disks_.clear();
 				around({x, y}, [&](std::size_t i, glm::dvec2 shift) { disks_.push_back(positions_[i] + shift); });
 				const glm::dvec2 corner = cell_ * glm::dvec2(x, y);
-				const bool covered = shape_.step > 0.0 ? covers_positions(glm::ceil(corner / shape_.step),
-																 glm::min(glm::floor((corner + cell_) / shape_.step),
-																		 glm::ceil(shape_.size / shape_.step) - 1.0),
-																 0)
-													   : covers(corner, cell_, 0);
-				report_.uncovered += covered ? 0 : 1;
+				const bool is_covered = shape_.step > 0.0 ? covers_positions(glm::ceil(corner / shape_.step),
+																	glm::min(glm::floor((corner + cell_) / shape_.step),
+																			glm::ceil(shape_.size / shape_.step) - 1.0),
+																	0)
+														  : covers(corner, cell_, 0);
+				report_.uncovered += is_covered ? 0 : 1;
 			}
 		}
 	}
@@ -192,26 +192,26 @@ private:
 	bool covers(glm::dvec2 corner, glm::dvec2 side, std::size_t first) {
 		const glm::dvec2 middle = corner + 0.5 * side;
 		const std::size_t end = disks_.size();
-		bool covered = false;
+		bool is_covered = false;
 		bool middle_covered = false;
-		for (std::size_t i = first; i < end && !covered; ++i) {
-			const glm::dvec2 away = glm::abs(disks_[i] - middle);
-			middle_covered = middle_covered || squared(away) < reach_squared_;
-			covered = squared(away + 0.5 * side) < reach_squared_;
-			if (squared(glm::max(away - 0.5 * side, 0.0)) < reach_squared_) {
+		for (std::size_t i = first; i < end && !is_covered; ++i) {
+			const glm::dvec2 offset = glm::abs(disks_[i] - middle);
+			middle_covered = middle_covered || squared(offset) < reach_squared_;
+			is_covered = squared(offset + 0.5 * side) < reach_squared_;
+			if (squared(glm::max(offset - 0.5 * side, 0.0)) < reach_squared_) {
 				disks_.push_back(disks_[i]);
 			}
 		}
-		if (!covered && middle_covered && std::max(side.x, side.y) >= min_side_) {
-			covered = true;
-			for (int child = 0; child < 4 && covered; ++child) {
-				covered = covers(corner + 0.5 * side * glm::dvec2(child & 1, child >> 1), 0.5 * side, end);
+		if (!is_covered && middle_covered && std::max(side.x, side.y) >= min_side_) {
+			is_covered = true;
+			for (int child = 0; child < 4 && is_covered; ++child) {
+				is_covered = covers(corner + 0.5 * side * glm::dvec2(child & 1, child >> 1), 0.5 * side, end);
 			}
-		} else if (!covered) {
+		} else if (!is_covered) {
 			report_.uncovered_at = corner;
 		}
 		disks_.resize(end);
-		return covered;
+		return is_covered;
 	}
 
 	/// Returns true if each position from `low` to `high`, in steps, is covered. Only the entries of
@@ -221,26 +221,26 @@ private:
 			return true;
 		}
 		const std::size_t end = disks_.size();
-		bool covered = false;
-		for (std::size_t i = first; i < end && !covered; ++i) {
+		bool is_covered = false;
+		for (std::size_t i = first; i < end && !is_covered; ++i) {
 			const glm::dvec2 below = low * shape_.step - disks_[i];
 			const glm::dvec2 above = high * shape_.step - disks_[i];
-			covered = squared(glm::max(glm::abs(below), glm::abs(above))) < reach_squared_;
+			is_covered = squared(glm::max(glm::abs(below), glm::abs(above))) < reach_squared_;
 			if (squared(glm::max(glm::max(below, -above), 0.0)) < reach_squared_) {
 				disks_.push_back(disks_[i]);
 			}
 		}
-		if (!covered && disks_.size() > end && low != high) {
+		if (!is_covered && disks_.size() > end && low != high) {
 			const glm::dvec2 middle = glm::floor(0.5 * (low + high));
-			covered = covers_positions(low, middle, end) &&
+			is_covered = covers_positions(low, middle, end) &&
 					covers_positions({middle.x + 1.0, low.y}, {high.x, middle.y}, end) &&
 					covers_positions({low.x, middle.y + 1.0}, {middle.x, high.y}, end) &&
 					covers_positions(middle + 1.0, high, end);
-		} else if (!covered) {
+		} else if (!is_covered) {
 			report_.uncovered_at = low * shape_.step;
 		}
 		disks_.resize(end);
-		return covered;
+		return is_covered;
 	}
 
 	static double squared(glm::dvec2 v) { return v.x * v.x + v.y * v.y; }

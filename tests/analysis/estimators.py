@@ -17,8 +17,8 @@ def close_pairs(positions: np.ndarray, side: float, reach: float) -> tuple[np.nd
     window, so each point in the window counts all of its neighbors once. The window needs a border of `reach`."""
     pairs = cKDTree(positions).query_pairs(reach, output_type="ndarray")
     offset = positions[pairs[:, 1]] - positions[pairs[:, 0]]
-    within = inside(positions, side).astype(np.int64)
-    weight = within[pairs[:, 0]] + within[pairs[:, 1]]
+    inner_points = inside(positions, side).astype(np.int64)
+    weight = inner_points[pairs[:, 0]] + inner_points[pairs[:, 1]]
     return np.hypot(offset[:, 0], offset[:, 1]), np.arctan2(offset[:, 1], offset[:, 0]), weight
 
 
@@ -62,10 +62,10 @@ class Spectrum:
         i, j = np.meshgrid(np.arange(0, modes + 1), np.arange(-modes, modes + 1), indexing="ij")
         # The taper spreads the mean density over the modes next to zero. At i = 0, modes j and -j are equal, so one of
         # them is redundant.
-        used = (np.maximum(np.abs(i), np.abs(j)) > 2) & ((i > 0) | (j > 0))
-        self.power = power[used]
-        self.frequency = np.hypot(i, j)[used] / side
-        self.angle = np.arctan2(j, i)[used]
+        is_used = (np.maximum(np.abs(i), np.abs(j)) > 2) & ((i > 0) | (j > 0))
+        self.power = power[is_used]
+        self.frequency = np.hypot(i, j)[is_used] / side
+        self.angle = np.arctan2(j, i)[is_used]
 
     @staticmethod
     def _waves(turns: np.ndarray, first: int, last: int) -> np.ndarray:
@@ -82,17 +82,17 @@ class Spectrum:
     def radial(self, edges: np.ndarray) -> np.ndarray:
         """Returns the mean power in the rings of frequency (waves per radius) between `edges`."""
         ring = np.digitize(self.frequency, edges) - 1
-        kept = (ring >= 0) & (ring < len(edges) - 1)
-        count = np.bincount(ring[kept], minlength=len(edges) - 1)
-        return np.bincount(ring[kept], self.power[kept], minlength=len(edges) - 1) / count
+        is_in_range = (ring >= 0) & (ring < len(edges) - 1)
+        count = np.bincount(ring[is_in_range], minlength=len(edges) - 1)
+        return np.bincount(ring[is_in_range], self.power[is_in_range], minlength=len(edges) - 1) / count
 
     def anisotropy(self, edges: np.ndarray) -> np.ndarray:
         """Returns, for each ring, the mean power times cos 2a, sin 2a, cos 4a and sin 4a, then the mean squared power. The mean squared power is
         Ulichney's anisotropy up to a constant factor. These values show whether a set has preferred directions."""
         ring = np.digitize(self.frequency, edges) - 1
-        kept = (ring >= 0) & (ring < len(edges) - 1)
-        count = np.bincount(ring[kept], minlength=len(edges) - 1)
+        is_in_range = (ring >= 0) & (ring < len(edges) - 1)
+        count = np.bincount(ring[is_in_range], minlength=len(edges) - 1)
         shapes = [np.cos(2 * self.angle), np.sin(2 * self.angle), np.cos(4 * self.angle), np.sin(4 * self.angle)]
         weights = [self.power * shape for shape in shapes] + [self.power**2]
-        sums = [np.bincount(ring[kept], weight[kept], minlength=len(edges) - 1) / count for weight in weights]
+        sums = [np.bincount(ring[is_in_range], weight[is_in_range], minlength=len(edges) - 1) / count for weight in weights]
         return np.concatenate(sums)

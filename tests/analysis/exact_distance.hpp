@@ -20,10 +20,10 @@ public:
 		std::size_t kept_count = 0;
 		for (std::size_t i = 0; i < count_; ++i) {
 			const double sum = value + parts_[i];
-			const double part = sum - value;
-			const double rest = (value - (sum - part)) + (parts_[i] - part);
-			if (rest != 0.0) {
-				parts_[kept_count++] = rest;
+			const double rounded_part = sum - value;
+			const double error = (value - (sum - rounded_part)) + (parts_[i] - rounded_part);
+			if (error != 0.0) {
+				parts_[kept_count++] = error;
 			}
 			value = sum;
 		}

@@ -72,8 +72,8 @@ const std::vector<DomainCase> domain_cases = {
 				{.size = {100.0, 75.5}, .seed = 16, .method = DomainMethod::wavefront, .cell_size = 20.0}},
 };
 
-[[noreturn]] void fail(const std::string &why) {
-	std::fprintf(stderr, "golden: %s\n", why.c_str());
+[[noreturn]] void fail(const std::string &reason) {
+	std::fprintf(stderr, "golden: %s\n", reason.c_str());
 	std::exit(EXIT_FAILURE);
 }
 
@@ -85,21 +85,21 @@ void require(const Status &status) {
 
 /// The digest does not depend on the order of the points, which may change. The ranks have a
 /// separate digest, because improved rank tables may change them.
-void digest_points(TileSampler &sampler, const Case &one, Digests &r_digests) {
+void digest_points(TileSampler &sampler, const Case &test_case, Digests &r_digests) {
 	std::vector<SamplePoint> points;
-	require(sampler.sample(one.set, one.rect, points));
+	require(sampler.sample(test_case.set, test_case.rect, points));
 	const SetDigest set_digest = digest(points);
-	r_digests.emplace_back(one.name, set_digest.points);
-	r_digests.emplace_back(std::string(one.name) + ": ranks", set_digest.ranks);
+	r_digests.emplace_back(test_case.name, set_digest.points);
+	r_digests.emplace_back(std::string(test_case.name) + ": ranks", set_digest.ranks);
 }
 
 /// The digest covers the points in their order of acceptance.
 template <typename Real>
-void digest_domain(const DomainCase &one, const char *precision, Digests &r_digests) {
+void digest_domain(const DomainCase &domain_case, const char *precision, Digests &r_digests) {
 	DomainSampler<Real> sampler;
 	std::vector<glm::vec<2, Real>> points;
-	require(sampler.sample(one.request, points));
-	r_digests.emplace_back(std::string("domain, ") + one.name + ", " + precision, digest(points));
+	require(sampler.sample(domain_case.request, points));
+	r_digests.emplace_back(std::string("domain, ") + domain_case.name + ", " + precision, digest(points));
 }
 
 std::uint64_t digest_filled(const TileInstances &tile) {
@@ -121,12 +121,12 @@ std::uint64_t digest_tile(TileBuilder &builder, const LayerSettings &layer, glm:
 Digests all_digests() {
 	Digests digests;
 	TileSampler sampler;
-	for (const Case &one : cases) {
-		digest_points(sampler, one, digests);
+	for (const Case &test_case : cases) {
+		digest_points(sampler, test_case, digests);
 	}
-	for (const DomainCase &one : domain_cases) {
-		digest_domain<float>(one, "single", digests);
-		digest_domain<double>(one, "double", digests);
+	for (const DomainCase &test_case : domain_cases) {
+		digest_domain<float>(test_case, "single", digests);
+		digest_domain<double>(test_case, "double", digests);
 	}
 	TileBuilder builder;
 	const glm::dvec2 near(-150.0, 300.0);
@@ -144,11 +144,11 @@ Digests all_digests() {
 	digests.emplace_back("an avenue in rows, 5 000 km out", digest_tile(builder, analysis::in_rows(far, false), far));
 	digests.emplace_back("a field in rows", digest_tile(builder, analysis::in_rows(near, true), near));
 	digests.emplace_back("a field in rows, 5 000 km out", digest_tile(builder, analysis::in_rows(far, true), far));
-	for (const auto &more : {analysis::field_digests(require), analysis::state_digests(require),
+	for (const auto &extra_digests : {analysis::field_digests(require), analysis::state_digests(require),
 				 analysis::query_digests("queries", {-50.0, 400.0}, require),
 				 analysis::query_digests("queries, 5 000 km out", {5.0e6 + 2500.0, 5.0e6 + 3400.0}, require),
 				 analysis::surface_digests(require), analysis::planet_digests(require, digest_filled)}) {
-		digests.insert(digests.end(), more.begin(), more.end());
+		digests.insert(digests.end(), extra_digests.begin(), extra_digests.end());
 	}
 	return digests;
 }

@@ -31,13 +31,13 @@ std::vector<std::pair<std::string, std::uint64_t>> planet_field_digests(const Im
 	PaintedMask mask;
 	require(mask.reset(1.7, 0.3));
 	for (std::uint32_t i = 0; i < 150; ++i) {
-		bool changed = false;
+		bool is_changed = false;
 		require(mask.paint_on(planet.radius, directions[i * 61],
 				{.mode = static_cast<Brush::Mode>(i % 3),
 						.radius = 4.3 + i % 47,
 						.strength = i % 10 / 9.0,
 						.hardness = i % 7 / 6.0},
-				changed));
+				is_changed));
 	}
 	std::vector<std::uint8_t> pixels;
 	for (std::uint32_t i = 0; i < 24 * 12; ++i) {
@@ -101,7 +101,7 @@ std::vector<std::pair<std::string, std::uint64_t>> field_digests(Require require
 	require(image.set({11, 7}, pixels, {{-31.7, -20.3}, {29.9, 33.1}}, MaskEdge::repeat));
 
 	PaintedMask mask;
-	Rect changed;
+	Rect changed_rect;
 	require(mask.reset(0.7, 0.3));
 	for (std::uint32_t i = 0; i < 60; ++i) {
 		require(mask.paint({.mode = static_cast<Brush::Mode>(i % 3),
@@ -109,7 +109,7 @@ std::vector<std::pair<std::string, std::uint64_t>> field_digests(Require require
 								   .radius = 1.3 + i % 17,
 								   .strength = i % 10 / 9.0,
 								   .hardness = i % 7 / 6.0},
-				changed));
+				changed_rect));
 	}
 
 	WordHash clump_hash;

@@ -77,10 +77,10 @@ inline LayerSettings undergrowth(glm::dvec2 corner) {
 	layer.neighbors = {{shrubs, 5.0, curve_table(0.0, 5.0, {1.0f, 0.4f})}, {shrubs, 0.75, nullptr}};
 
 	auto mask = std::make_shared<PaintedMask>();
-	Rect changed;
+	Rect changed_rect;
 	expect(mask->reset(0.75, 1.0));
-	expect(mask->paint({Brush::Mode::erase, corner + glm::dvec2(60.0, 140.0), 30.0, 0.9, 0.3}, changed));
-	expect(mask->paint({Brush::Mode::smooth, corner + glm::dvec2(80.0, 120.0), 25.0, 0.8, 0.5}, changed));
+	expect(mask->paint({Brush::Mode::erase, corner + glm::dvec2(60.0, 140.0), 30.0, 0.9, 0.3}, changed_rect));
+	expect(mask->paint({Brush::Mode::smooth, corner + glm::dvec2(80.0, 120.0), 25.0, 0.8, 0.5}, changed_rect));
 	layer.rules.mask = mask;
 	auto image = std::make_shared<ImageMask>();
 	const std::array<std::uint8_t, 6> pixels{255, 160, 220, 90, 255, 200};

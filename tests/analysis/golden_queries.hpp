@@ -47,8 +47,8 @@ public:
 
 	std::vector<QueryLayer> query_layers;
 
-	Status find_tile(const WorldTile &wanted, std::shared_ptr<const CompactTile> &r_tile) override {
-		const auto &[layer, tile, slab] = wanted;
+	Status find_tile(const WorldTile &requested, std::shared_ptr<const CompactTile> &r_tile) override {
+		const auto &[layer, tile, slab] = requested;
 		std::shared_ptr<const CompactTile> &cached = tiles_[{layer, tile.x, tile.y}];
 		if (cached == nullptr) {
 			TileInstances generated;
@@ -138,9 +138,9 @@ void add_first_ones(const InstanceQuery &query, glm::dvec3 position, WordHash &r
 		}
 		std::vector<NearestInstance> nearest;
 		require(query.nearest(anywhere(), 25.0, {}, nearest));
-		for (const NearestInstance &one : nearest) {
-			r_nearest.add(one.distance);
-			add(r_nearest, one.instance);
+		for (const NearestInstance &result : nearest) {
+			r_nearest.add(result.distance);
+			add(r_nearest, result.instance);
 		}
 	}
 }
@@ -149,14 +149,14 @@ void add_first_ones(const InstanceQuery &query, glm::dvec3 position, WordHash &r
 /// that are fitted to them.
 inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &present, glm::dvec3 position) {
 	WordHash hash;
-	NearSet near;
+	NearSet near_set;
 	NearChanges changes;
 	for (int step = -4; step <= 4; ++step) {
 		const std::vector<glm::dvec3> centers{position + glm::dvec3(step * 11.3, 0.0, step * 7.1), position};
-		near.find_changes(centers, {30.0, 40.0}, present, changes);
+		near_set.find_changes(centers, {30.0, 40.0}, present, changes);
 		for (const NearRelease &leaving : changes.leave) {
 			hash.add(leaving.id);
-			near.release(leaving.id);
+			near_set.release(leaving.id);
 		}
 		for (const PlacedInstance &each : changes.enter) {
 			BodyFit fit;
@@ -168,7 +168,7 @@ inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &present, glm
 				hash.add(static_cast<std::uint32_t>(fit.scale_steps[axis]));
 				hash.add(fit.scale()[axis]);
 			}
-			near.retain(each);
+			near_set.retain(each);
 		}
 	}
 	return hash.value();
@@ -179,11 +179,11 @@ inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &present, glm
 template <typename Require>
 std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm::dvec3 position, Require require) {
 	const glm::ivec2 tile = tile_at(world.query_layers[0].tile_size, {position.x, position.z});
-	std::shared_ptr<const CompactTile> found;
-	require(world.find_tile({0, tile}, found));
+	std::shared_ptr<const CompactTile> stored_tile;
+	require(world.find_tile({0, tile}, stored_tile));
 	OverlaidMeshes meshes;
-	require(overlaid(
-			found, world.settings(0), tile_rect(world.query_layers[0].tile_size, tile), {&state, nullptr}, meshes));
+	require(overlaid(stored_tile, world.settings(0), tile_rect(world.query_layers[0].tile_size, tile),
+			{&state, nullptr}, meshes));
 	WordHash hash;
 	for (const std::shared_ptr<const CompactMesh> &cached : meshes) {
 		const MeshInstances mesh = expanded(*cached);
@@ -198,7 +198,7 @@ std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm
 /// queries include the instances near a walking viewer and a displayed tile.
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> query_digests(
-		const std::string &where, glm::dvec2 position, Require require) {
+		const std::string &title, glm::dvec2 position, Require require) {
 	GoldenWorld world(position);
 	const Rect rect{position - glm::dvec2(90.25, 80.5), position + glm::dvec2(80.75, 95.125)};
 	std::vector<PlacedInstance> all;
@@ -214,21 +214,21 @@ std::vector<std::pair<std::string, std::uint64_t>> query_digests(
 	require(query.in_rect(rect, {}, in_rect));
 	require(query.in_sphere(center, 70.3, {}, in_sphere));
 	for (std::size_t i = 0; i < all.size(); i += 3) {
-		std::vector<PlacedInstance> found;
-		require(query.by_id(all[i].id, found));
-		by_id.insert(by_id.end(), found.begin(), found.end());
+		std::vector<PlacedInstance> results;
+		require(query.by_id(all[i].id, results));
+		by_id.insert(by_id.end(), results.begin(), results.end());
 	}
 	WordHash rays;
 	WordHash nearest;
-	std::uint64_t met = 0;
-	add_first_ones(query, center, rays, nearest, met, require);
-	if (in_rect.size() < 400 || in_sphere.size() < 100 || by_id.size() < 100 || met < 30) {
+	std::uint64_t hit_count = 0;
+	add_first_ones(query, center, rays, nearest, hit_count, require);
+	if (in_rect.size() < 400 || in_sphere.size() < 100 || by_id.size() < 100 || hit_count < 30) {
 		require(Status{ErrorCode::out_of_range, "instances that queries find", static_cast<double>(in_rect.size())});
 	}
-	return {{where + ", in a rectangle", digest_of(in_rect)}, {where + ", in a sphere", digest_of(in_sphere)},
-			{where + ", by id", digest_of(by_id)}, {where + ", on rays", rays.value()},
-			{where + ", nearest", nearest.value()}, {where + ", near a walker", digest_walk(in_rect, center)},
-			{where + ", drawn", digest_overlay(world, state, center, require)}};
+	return {{title + ", in a rectangle", digest_of(in_rect)}, {title + ", in a sphere", digest_of(in_sphere)},
+			{title + ", by id", digest_of(by_id)}, {title + ", on rays", rays.value()},
+			{title + ", nearest", nearest.value()}, {title + ", near a walker", digest_walk(in_rect, center)},
+			{title + ", drawn", digest_overlay(world, state, center, require)}};
 }
 
 } // namespace thicket::analysis

@@ -56,8 +56,8 @@ void change(InstanceState &r_state, GoldenRandom &random, Require require) {
 	const auto layer = static_cast<std::uint16_t>(random.below(3) * 16000);
 	// Each statement draws one random number, because the order in which arguments are evaluated is
 	// unspecified.
-	const std::uint32_t where = random.below(1600);
-	const glm::ivec2 cell(static_cast<int>(where % 40) - 20, static_cast<int>(where / 40) - 20);
+	const std::uint32_t cell_index = random.below(1600);
+	const glm::ivec2 cell(static_cast<int>(cell_index % 40) - 20, static_cast<int>(cell_index / 40) - 20);
 	const std::uint64_t point = pack({layer, cell * (random.below(4) == 0 ? 400'000 : 1)});
 	const std::vector<std::uint64_t> added = r_state.added_ids();
 	const auto count = static_cast<std::uint32_t>(added.size());
@@ -84,37 +84,37 @@ void change(InstanceState &r_state, GoldenRandom &random, Require require) {
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> state_digests(Require require) {
 	GoldenRandom random(19);
-	InstanceState here;
-	InstanceState there;
+	InstanceState first_state;
+	InstanceState second_state;
 	for (const std::uint16_t layer : std::initializer_list<std::uint16_t>{0, 16000, 32000}) {
 		const std::uint64_t stamp = stamp_of({.seed = 20, .radius = 1.7, .levels = 3, .layer = layer});
-		require(here.claim(layer, stamp));
-		require(there.claim(layer, stamp));
+		require(first_state.claim(layer, stamp));
+		require(second_state.claim(layer, stamp));
 	}
 	std::uint64_t half_way = 0;
 	for (int i = 0; i < 1200; ++i) {
-		half_way = i == 900 ? here.revision() : half_way;
-		change(here, random, require);
-		change(there, random, require);
+		half_way = i == 900 ? first_state.revision() : half_way;
+		change(first_state, random, require);
+		change(second_state, random, require);
 	}
-	std::vector<std::uint8_t> saved;
+	std::vector<std::uint8_t> saved_bytes;
 	std::vector<std::uint8_t> other;
 	std::vector<std::uint8_t> diff;
-	require(here.save(saved));
-	require(there.save(other));
-	require(here.diff_since(half_way, diff));
+	require(first_state.save(saved_bytes));
+	require(second_state.save(other));
+	require(first_state.diff_since(half_way, diff));
 
 	std::vector<InstanceChange> changes;
-	InstanceState merged;
-	require(merged.load(saved, changes));
-	require(merged.merge(there, changes));
-	std::vector<std::uint8_t> both;
-	require(merged.save(both));
-	require(there.apply(diff, changes));
+	InstanceState merged_state;
+	require(merged_state.load(saved_bytes, changes));
+	require(merged_state.merge(second_state, changes));
+	std::vector<std::uint8_t> merged_bytes;
+	require(merged_state.save(merged_bytes));
+	require(second_state.apply(diff, changes));
 	std::vector<std::uint8_t> other_after;
-	require(there.save(other_after));
-	return {{"state", checksum(saved)}, {"state, another", checksum(other)}, {"state, a diff", checksum(diff)},
-			{"state, a merge", checksum(both)}, {"state, another after the diff", checksum(other_after)}};
+	require(second_state.save(other_after));
+	return {{"state", checksum(saved_bytes)}, {"state, another", checksum(other)}, {"state, a diff", checksum(diff)},
+			{"state, a merge", checksum(merged_bytes)}, {"state, another after the diff", checksum(other_after)}};
 }
 
 } // namespace thicket::analysis

@@ -137,7 +137,7 @@ private:
 	/// Adds the uncovered lattice points of [origin, origin + side) to the report.
 	void check_square(glm::i64vec2 origin, std::int64_t side, const Disks &disks) {
 		const glm::i64vec2 last = origin + (side - 1);
-		Disks near;
+		Disks near_disks;
 		for (int i = 0; i < disks.count; ++i) {
 			const glm::i64vec2 center = disks.centers[static_cast<std::size_t>(i)];
 			const glm::i64vec2 farthest(std::max(std::abs(origin.x - center.x), std::abs(last.x - center.x)),
@@ -147,17 +147,17 @@ private:
 			}
 			const glm::i64vec2 nearest(std::clamp(center.x, origin.x, last.x), std::clamp(center.y, origin.y, last.y));
 			if (squared(nearest - center) < radius_squared_) {
-				near.centers[static_cast<std::size_t>(near.count++)] = center;
+				near_disks.centers[static_cast<std::size_t>(near_disks.count++)] = center;
 			}
 		}
-		if (near.count == 0) {
+		if (near_disks.count == 0) {
 			report_.uncovered += static_cast<std::uint64_t>(side * side);
 			report_.uncovered_at = origin;
 			return;
 		}
 		const std::int64_t half = side / 2;
 		for (int child = 0; child < 4; ++child) {
-			check_square(origin + half * glm::i64vec2(child & 1, child >> 1), half, near);
+			check_square(origin + half * glm::i64vec2(child & 1, child >> 1), half, near_disks);
 		}
 	}
 };

@@ -74,8 +74,8 @@ double distance_of_maxima(bool in_space) {
 			const auto before = [&](const std::vector<double> &row) {
 				return std::max({row[x - 1], row[x], row[x + 1]});
 			};
-			const double around = std::max({before(rows[0]), before(rows[2]), rows[1][x - 1], rows[1][x + 1]});
-			maxima += rows[1][x] > around;
+			const double neighbor_max = std::max({before(rows[0]), before(rows[2]), rows[1][x - 1], rows[1][x + 1]});
+			maxima += rows[1][x] > neighbor_max;
 		}
 	}
 	const double cells = static_cast<double>(side) / steps_per_cell;

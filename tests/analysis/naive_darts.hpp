@@ -44,11 +44,11 @@ public:
 
 	/// Returns a maximal set that starts with the points `earlier`. They must lie on the torus and
 	/// keep the minimum distance.
-	std::vector<glm::dvec2> run_after(std::vector<glm::dvec2> earlier) {
-		for (const glm::dvec2 point : earlier) {
+	std::vector<glm::dvec2> run_after(std::vector<glm::dvec2> fixed_points) {
+		for (const glm::dvec2 point : fixed_points) {
 			cell(cell_of(point.x), cell_of(point.y)) = point;
 		}
-		points_ = std::move(earlier);
+		points_ = std::move(fixed_points);
 		return run();
 	}
 
@@ -144,7 +144,7 @@ private:
 
 	void fill(std::vector<glm::dvec2> squares) {
 		double width = cell_;
-		for (int split = 0; split < max_splits; ++split) {
+		for (int split_count = 0; split_count < max_splits; ++split_count) {
 			std::erase_if(squares, [&](glm::dvec2 corner) { return covered(corner, width); });
 			if (squares.empty()) {
 				return;
@@ -166,9 +166,9 @@ private:
 		children.reserve(4 * r_squares.size());
 		for (const glm::dvec2 corner : r_squares) {
 			for (int child = 0; child < 4; ++child) {
-				const glm::dvec2 part = corner + width * glm::dvec2(child & 1, child >> 1);
-				if (!covered(part, width)) {
-					children.push_back(part);
+				const glm::dvec2 child_corner = corner + width * glm::dvec2(child & 1, child >> 1);
+				if (!covered(child_corner, width)) {
+					children.push_back(child_corner);
 				}
 			}
 		}

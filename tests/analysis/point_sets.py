@@ -35,12 +35,12 @@ class References:
         self.program = program
 
     def _sets(self, *arguments) -> list[np.ndarray]:
-        done = subprocess.run([str(self.program), *map(str, arguments)], capture_output=True, timeout=600, check=False)
-        assert done.returncode == 0, f"{self.program.name} {arguments}: {done.stderr.decode(errors='replace')}"
+        result = subprocess.run([str(self.program), *map(str, arguments)], capture_output=True, timeout=600, check=False)
+        assert result.returncode == 0, f"{self.program.name} {arguments}: {result.stderr.decode(errors='replace')}"
         sets, place = [], 0
-        while place < len(done.stdout):
-            count = int(np.frombuffer(done.stdout, "<u8", 1, place)[0])
-            sets.append(np.frombuffer(done.stdout, "<f8", 2 * count, place + 8).reshape(count, 2))
+        while place < len(result.stdout):
+            count = int(np.frombuffer(result.stdout, "<u8", 1, place)[0])
+            sets.append(np.frombuffer(result.stdout, "<f8", 2 * count, place + 8).reshape(count, 2))
             place += 8 + 16 * count
         return sets
 

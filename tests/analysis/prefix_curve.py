@@ -20,47 +20,47 @@ FRACTIONS = [0.0625, 0.065, 0.08, 0.1, 0.125, 0.16, 0.2, 0.25, 0.26, 0.3, 0.35, 
 
 def eliminated(points: np.ndarray, count: int, area: float) -> tuple[np.ndarray, list[int]]:
     """Returns the indices of `count` points that remain, and those of the others in the order of their elimination."""
-    reach = 2.0 * np.sqrt(area / (2.0 * np.sqrt(3.0) * count))
-    near = cKDTree(points).query_ball_point(points, reach)
+    radius = 2.0 * np.sqrt(area / (2.0 * np.sqrt(3.0) * count))
+    neighbor_lists = cKDTree(points).query_ball_point(points, radius)
     weights = np.zeros(len(points))
     share: list[dict[int, float]] = []
-    for index, others in enumerate(near):
-        distance = np.hypot(*(points[others] - points[index]).T)
-        share.append({other: (1.0 - d / reach) ** 8 for other, d in zip(others, distance, strict=True) if other != index})
+    for index, neighbors in enumerate(neighbor_lists):
+        distance = np.hypot(*(points[neighbors] - points[index]).T)
+        share.append({other: (1.0 - d / radius) ** 8 for other, d in zip(neighbors, distance, strict=True) if other != index})
         weights[index] = sum(share[-1].values())
     heap = [(-weight, index) for index, weight in enumerate(weights)]
     heapq.heapify(heap)
     removed: list[int] = []
-    gone = np.zeros(len(points), bool)
+    is_removed = np.zeros(len(points), bool)
     while len(points) - len(removed) > count:
         weight, index = heapq.heappop(heap)
-        if gone[index] or -weight != weights[index]:
+        if is_removed[index] or -weight != weights[index]:
             continue
-        gone[index] = True
+        is_removed[index] = True
         removed.append(index)
-        for other, part in share[index].items():
-            if not gone[other]:
-                weights[other] -= part
+        for other, fraction in share[index].items():
+            if not is_removed[other]:
+                weights[other] -= fraction
                 heapq.heappush(heap, (-weights[other], other))
-    return np.flatnonzero(~gone), removed
+    return np.flatnonzero(~is_removed), removed
 
 
 def elimination_order(points: np.ndarray, area: float) -> np.ndarray:
     """Orders points by halving their number again and again."""
-    left = np.arange(len(points))
+    remaining = np.arange(len(points))
     order: list[int] = []
-    while len(left) > 64:
-        kept, removed = eliminated(points[left], len(left) // 2, area)
-        order.extend(left[removed])
-        left = left[kept]
-    return np.array([*left, *order[::-1]])
+    while len(remaining) > 64:
+        kept, removed = eliminated(points[remaining], len(remaining) // 2, area)
+        order.extend(remaining[removed])
+        remaining = remaining[kept]
+    return np.array([*remaining, *order[::-1]])
 
 
 def relative_radius(points: np.ndarray, order: np.ndarray, fraction: float) -> float:
     """Returns the least distance in the first part of an order, in radii of a maximal set of equal density."""
     prefix = points[order[: round(fraction * len(order))]]
-    least = cKDTree(prefix).query(prefix, k=2)[0][:, 1].min()
-    return float(least * np.sqrt(len(prefix) / SIDE**2 / JAMMED_DENSITY))
+    min_distance = cKDTree(prefix).query(prefix, k=2)[0][:, 1].min()
+    return float(min_distance * np.sqrt(len(prefix) / SIDE**2 / JAMMED_DENSITY))
 
 
 def main() -> None:

@@ -31,7 +31,7 @@ public:
 		return words_[next_++];
 	}
 	double number() { return std::strtod(word().c_str(), nullptr); }
-	std::uint64_t whole() { return std::strtoull(word().c_str(), nullptr, 10); }
+	std::uint64_t integer() { return std::strtoull(word().c_str(), nullptr, 10); }
 
 private:
 	std::span<char *> words_;
@@ -56,9 +56,9 @@ int phase_of(glm::dvec2 middle) {
 void write_sets(const std::string &kind, Arguments &arguments) {
 	const double side = arguments.number();
 	phase_tile = kind == "colored" ? arguments.number() : phase_tile;
-	const auto levels = kind == "progressive" ? static_cast<std::uint32_t>(arguments.whole()) : 1u;
-	const std::uint64_t first = arguments.whole();
-	const std::uint64_t count = arguments.whole();
+	const auto levels = kind == "progressive" ? static_cast<std::uint32_t>(arguments.integer()) : 1u;
+	const std::uint64_t first = arguments.integer();
+	const std::uint64_t count = arguments.integer();
 	for (std::uint64_t seed = first; seed < first + count; ++seed) {
 		if (kind == "darts") {
 			write(NaiveDarts(side, seed).run());

@@ -36,10 +36,10 @@ struct Bits {
 	double &value;
 };
 
-std::istream &operator>>(std::istream &line, Bits number) {
+std::istream &operator>>(std::istream &line, Bits parsed_bits) {
 	std::int64_t bits = 0;
 	line >> bits;
-	number.value = std::bit_cast<double>(bits);
+	parsed_bits.value = std::bit_cast<double>(bits);
 	return line;
 }
 
@@ -82,9 +82,9 @@ private:
 		HeightfieldFrame frame;
 		glm::dvec2 size{0.0};
 		line >> path >> frame.posts.x >> frame.posts.y;
-		for (double *number :
+		for (double *value :
 				{&frame.area.min.x, &frame.area.min.y, &size.x, &size.y, &frame.min_height, &frame.max_height}) {
-			line >> Bits{*number};
+			line >> Bits{*value};
 		}
 		frame.area.max = frame.area.min + size;
 		std::ifstream file(path, std::ios::binary);
@@ -106,21 +106,21 @@ private:
 		Rules &rules = layer.rules;
 		Placement &placement = layer.placement;
 		line >> index >> seed >> layer.set.levels >> layer.set.layer;
-		for (double *number : {&layer.set.radius, &rules.density, &rules.min_slope_degrees, &rules.max_slope_degrees,
+		for (double *value : {&layer.set.radius, &rules.density, &rules.min_slope_degrees, &rules.max_slope_degrees,
 					 &rules.slope_falloff_degrees, &rules.min_height, &rules.max_height, &rules.height_falloff,
 					 &placement.min_yaw_degrees, &placement.max_yaw_degrees, &placement.min_scale, &placement.max_scale,
 					 &placement.align_to_normal, &placement.height_offset, &rules.clumping.size,
 					 &rules.clumping.coverage, &rules.clumping.softness}) {
-			line >> Bits{*number};
+			line >> Bits{*value};
 		}
-		const bool whole = !line.fail();
+		const bool is_complete = !line.fail();
 		layer.set.seed = static_cast<std::uint64_t>(seed);
 		double weight = 0.0;
 		while (line >> Bits{weight}) {
 			layer.mesh_weights.push_back(static_cast<float>(weight));
 		}
 		layers_[index] = layer;
-		return whole && validate(layer).ok();
+		return is_complete && validate(layer).ok();
 	}
 
 	bool compare_tile(std::istringstream &line) {

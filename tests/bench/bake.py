@@ -44,10 +44,10 @@ def once(out: Path, workers: int, cores: int) -> None:
 
 def measured(out: Path, workers: int, cores: int) -> dict:
     command = [sys.executable, __file__, "--once", str(out), str(workers), str(cores)]
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
-    if done.returncode != 0:
-        raise SystemExit(done.returncode)
-    took = json.loads(done.stdout)
+    result = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    if result.returncode != 0:
+        raise SystemExit(result.returncode)
+    took = json.loads(result.stdout)
     costs = schedule.read_costs(out)
     # The prediction for two workers on two cores, computed from the costs of this bake. Like the measured time, it excludes the
     # start of engines.
@@ -68,24 +68,24 @@ def main(rounds: int, folder: Path) -> None:
     if len(os.sched_getaffinity(0)) < 2:
         raise SystemExit("bake: this benchmark needs two cores")
     took: dict[tuple[int, int], list[dict]] = {contender: [] for contender in CONTENDERS}
-    for number in range(rounds):
-        for contender in CONTENDERS if number % 2 == 0 else CONTENDERS[::-1]:
+    for round_index in range(rounds):
+        for contender in CONTENDERS if round_index % 2 == 0 else CONTENDERS[::-1]:
             took[contender].append(measured(folder / "bake_{}_{}".format(*contender), *contender))
-    digests = {one["digest"] for each in took.values() for one in each}
+    digests = {run["digest"] for each in took.values() for run in each}
     if len(digests) != 1:
         raise SystemExit(f"bake: digests differ: {digests}")
     print(f"{took[1, 1][0]['rows']:,} instances; digest {digests.pop()}\n")
     print("| measurement | median | lowest to highest round | rounds |\n|---|---|---|---|")
     for contender, each in took.items():
-        print(row(f"bake: {name(*contender)}", [one["seconds"] for one in each], "s"))
-        print(row(f"bake: {name(*contender)}: workers and engines", [one["workers"] for one in each], "core-seconds"))
-        print(row(f"bake: {name(*contender)}: the driver", [one["driver"] for one in each], "core-seconds", 2))
-    two = [one["seconds"] for one in took[2, 2]]
+        print(row(f"bake: {name(*contender)}", [run["seconds"] for run in each], "s"))
+        print(row(f"bake: {name(*contender)}: workers and engines", [run["workers"] for run in each], "core-seconds"))
+        print(row(f"bake: {name(*contender)}: the driver", [run["driver"] for run in each], "core-seconds", 2))
+    two = [run["seconds"] for run in took[2, 2]]
     for contender in ((1, 1), (1, 2)):
-        gains = [one["seconds"] / other for one, other in zip(took[contender], two, strict=True)]
+        gains = [run["seconds"] / other for run, other in zip(took[contender], two, strict=True)]
         print(row(f"bake: 2 workers on 2 cores over {name(*contender)}", gains, "times", 2))
     for contender in CONTENDERS:
-        errors = [one["foretold"] / other for one, other in zip(took[contender], two, strict=True)]
+        errors = [run["foretold"] / other for run, other in zip(took[contender], two, strict=True)]
         print(row(f"bake: 2 workers on 2 cores, predicted from {name(*contender)}, over the measured time", errors, "of it", 2))
 
 

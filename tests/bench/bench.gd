@@ -27,10 +27,10 @@ func run() -> String:
 	return "the benchmark does not override run()"
 
 
-## Returns the first argument, or [param usual] if there is none.
-func rounds_or(usual: int) -> int:
+## Returns the first argument, or [param default_rounds] if there is none.
+func rounds_or(default_rounds: int) -> int:
 	var arguments := OS.get_cmdline_user_args()
-	return maxi(1, arguments[0].to_int()) if arguments.size() > 0 else usual
+	return maxi(1, arguments[0].to_int()) if arguments.size() > 0 else default_rounds
 
 
 ## Returns the ground of the demo's first scene.
@@ -115,8 +115,8 @@ func seconds_in_another_engine(user_arguments: Array[String], one_core := false)
 		command = (["taskset", "-c", "0"] as Array[String]) + command
 	var output := []
 	OS.execute(command[0], command.slice(1), output)
-	var found := RegEx.create_from_string("seconds: ([0-9.]+)").search("".join(output))
-	return found.get_string(1).to_float() if found != null else -1.0
+	var result := RegEx.create_from_string("seconds: ([0-9.]+)").search("".join(output))
+	return result.get_string(1).to_float() if result != null else -1.0
 
 
 func print_seconds(seconds: float) -> void:
@@ -124,17 +124,17 @@ func print_seconds(seconds: float) -> void:
 
 
 ## Prints a row for a value that is counted, not timed.
-func exact_row(what: String, value: String) -> void:
-	print("| %s | %s | exact | 1 |" % [what, value])
+func exact_row(label: String, value: String) -> void:
+	print("| %s | %s | exact | 1 |" % [label, value])
 
 
 ## Prints a row with the name, the median, the lowest and the highest round, and the number of rounds.
-func row(what: String, rounds: Array, unit := "", digits := 0) -> void:
+func row(label: String, rounds: Array, unit := "", digits := 0) -> void:
 	var sorted := rounds.duplicate()
 	sorted.sort()
-	var number := "%." + str(digits) + "f"
+	var number_format := "%." + str(digits) + "f"
 	var end := "" if unit == "" else " " + unit
 	@warning_ignore("integer_division")
-	var median: String = number % sorted[sorted.size() / 2]
-	var ends := [number % sorted[0], number % sorted[-1], end]
-	print("| %s | %s%s | %s to %s%s | %d |" % ([what, median, end] + ends + [sorted.size()]))
+	var median: String = number_format % sorted[sorted.size() / 2]
+	var extremes := [number_format % sorted[0], number_format % sorted[-1], end]
+	print("| %s | %s%s | %s to %s%s | %d |" % ([label, median, end] + extremes + [sorted.size()]))

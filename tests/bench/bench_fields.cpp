@@ -20,10 +20,10 @@ namespace {
 /// Returns a mask with strokes all over the tile, with pixels of 1 m.
 PaintedMask painted() {
 	PaintedMask mask;
-	Rect changed;
+	Rect changed_rect;
 	require(mask.reset(1.0, 0.0));
 	for (int i = 0; i < 200; ++i) {
-		require(mask.paint({.center = {100.0 + i * 37 % 200, -300.0 + i * 61 % 200}, .radius = 15.0}, changed));
+		require(mask.paint({.center = {100.0 + i * 37 % 200, -300.0 + i * 61 % 200}, .radius = 15.0}, changed_rect));
 	}
 	return mask;
 }

@@ -202,18 +202,18 @@ void measure_alone(const Effort &effort) {
 int main(int argument_count, char **arguments) {
 	using namespace thicket::bench;
 	const Effort effort = effort_of(argument_count, arguments);
-	const std::string_view part = argument_count > 3 ? arguments[3] : "";
-	if (part == "alone") {
+	const std::string_view section = argument_count > 3 ? arguments[3] : "";
+	if (section == "alone") {
 		measure_alone(effort);
 		return 0;
 	}
-	if (part == "orders") {
+	if (section == "orders") {
 		for (const int tile_size : {16, 64}) {
 			compare_orders(tile_size, effort);
 		}
 		return 0;
 	}
-	if (part == "counts") {
+	if (section == "counts") {
 		for (const int tile_size : tile_sizes) {
 			print_counts(tile_size, 1);
 			print_counts(tile_size, 4);

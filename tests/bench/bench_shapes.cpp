@@ -46,21 +46,21 @@ std::vector<Contender> contenders() {
 	Shape line;
 	line.outline = coast();
 	line.half_size.x = 4.0;
-	const auto of = [](Shape shape, ShapeKind kind, double falloff, bool ignore_height) {
+	const auto with_kind = [](Shape shape, ShapeKind kind, double falloff, bool ignore_height) {
 		shape.kind = kind;
 		shape.falloff = falloff;
 		shape.ignore_height = ignore_height;
 		return shape;
 	};
 	return {
-			{"box", of(solid, ShapeKind::box, 10.0, false)},
-			{"sphere", of(solid, ShapeKind::sphere, 10.0, false)},
-			{"cylinder", of(solid, ShapeKind::cylinder, 10.0, false)},
-			{"leaning box without height", of(solid, ShapeKind::box, 10.0, true)},
-			{"leaning cylinder without height", of(solid, ShapeKind::cylinder, 10.0, true)},
-			{"polygon of 65,536 corners, sharp", of(line, ShapeKind::polygon, 0.0, false)},
-			{"polygon of 65,536 corners, falloff of 10 m", of(line, ShapeKind::polygon, 10.0, false)},
-			{"path of 65,536 points, 8 m wide", of(line, ShapeKind::path, 2.0, false)},
+			{"box", with_kind(solid, ShapeKind::box, 10.0, false)},
+			{"sphere", with_kind(solid, ShapeKind::sphere, 10.0, false)},
+			{"cylinder", with_kind(solid, ShapeKind::cylinder, 10.0, false)},
+			{"leaning box without height", with_kind(solid, ShapeKind::box, 10.0, true)},
+			{"leaning cylinder without height", with_kind(solid, ShapeKind::cylinder, 10.0, true)},
+			{"polygon of 65,536 corners, sharp", with_kind(line, ShapeKind::polygon, 0.0, false)},
+			{"polygon of 65,536 corners, falloff of 10 m", with_kind(line, ShapeKind::polygon, 10.0, false)},
+			{"path of 65,536 points, 8 m wide", with_kind(line, ShapeKind::path, 2.0, false)},
 	};
 }
 
@@ -87,7 +87,7 @@ void run_shapes(const Effort &effort) {
 	const std::vector<glm::dvec2> at = points_of(tile);
 	const std::vector<Contender> all = contenders();
 	std::vector<ShapeSet> sets(all.size());
-	std::vector<std::uint32_t> near;
+	std::vector<std::uint32_t> near_shapes;
 	volatile double sum = 0.0;
 	Contest contest(at.size());
 	Series set;
@@ -95,10 +95,10 @@ void run_shapes(const Effort &effort) {
 		for (std::size_t i = 0; i < all.size(); ++i) {
 			require(sets[i].set({all[i].shape}));
 			contest.measure(i, all[i].name, effort.seconds, [&] {
-				static_cast<void>(sets[i].find_nearby(tile, near));
+				static_cast<void>(sets[i].find_nearby(tile, near_shapes));
 				double tile_sum = 0.0;
 				for (const glm::dvec2 position : at) {
-					tile_sum += sets[i].density(near, {position.x, 1.0, position.y});
+					tile_sum += sets[i].density(near_shapes, {position.x, 1.0, position.y});
 				}
 				sum = tile_sum;
 			});

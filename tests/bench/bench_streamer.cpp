@@ -57,7 +57,8 @@ Series fly(double speed, std::size_t count, std::size_t frames, bool teleport) {
 		}
 		const double start = cpu_seconds();
 		(void)streamer.update(viewers, max_pending, changes).ok();
-		for (std::size_t finished = 0; finished < finished_per_frame && !pending.empty(); ++finished) {
+		for (std::size_t finished_count = 0; finished_count < finished_per_frame && !pending.empty();
+				++finished_count) {
 			(void)streamer.finish(pending.front());
 			pending.pop_front();
 		}
@@ -67,9 +68,9 @@ Series fly(double speed, std::size_t count, std::size_t frames, bool teleport) {
 	return micros;
 }
 
-void print(const std::string &what, const Series &series) {
+void print(const std::string &label, const Series &series) {
 	std::printf("| %s: a frame's decisions, 12 layers | %.0f µs, p99 %.0f µs | %.0f to %.0f µs | %zu frames |\n",
-			what.c_str(), series.median(), series.quantile(0.99), series.quantile(0.0), series.quantile(1.0),
+			label.c_str(), series.median(), series.quantile(0.99), series.quantile(0.0), series.quantile(1.0),
 			series.rounds());
 }
 

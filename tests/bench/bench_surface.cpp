@@ -51,10 +51,10 @@ std::shared_ptr<const Surface> grid(std::uint32_t count, Position &&position) {
 
 std::shared_ptr<const Surface> plane(const glm::dvec3 &normal, double size, double step) {
 	const glm::dvec3 unit = glm::normalize(normal);
-	const glm::dvec3 along = glm::normalize(glm::cross(unit, glm::dvec3(0.0, 0.0, 1.0)));
-	const glm::dvec3 across = glm::cross(unit, along);
+	const glm::dvec3 tangent = glm::normalize(glm::cross(unit, glm::dvec3(0.0, 0.0, 1.0)));
+	const glm::dvec3 bitangent = glm::cross(unit, tangent);
 	return grid(static_cast<std::uint32_t>(size / step),
-			[&](double x, double y) { return along * (x * step) + across * (y * step); });
+			[&](double x, double y) { return tangent * (x * step) + bitangent * (y * step); });
 }
 
 /// Returns hills with slopes of up to 60 degrees.
@@ -67,10 +67,11 @@ std::shared_ptr<const Surface> hills(double size, double step) {
 std::shared_ptr<const Surface> sphere(double radius, double step) {
 	const auto count = static_cast<std::uint32_t>(std::numbers::pi * radius / step);
 	return grid(count, [radius, count](double x, double y) {
-		const double around = 2.0 * std::numbers::pi * x / count;
-		const double down = std::numbers::pi * y / count;
+		const double longitude = 2.0 * std::numbers::pi * x / count;
+		const double latitude = std::numbers::pi * y / count;
 		return radius *
-				glm::dvec3(std::sin(down) * std::cos(around), std::cos(down), std::sin(down) * std::sin(around));
+				glm::dvec3(std::sin(latitude) * std::cos(longitude), std::cos(latitude),
+						std::sin(latitude) * std::sin(longitude));
 	});
 }
 
@@ -103,14 +104,15 @@ void run(const Effort &effort) {
 		}
 	}
 	for (std::size_t at = 0; at < all.size(); ++at) {
-		const auto kept = static_cast<double>(stats[at].kept);
+		const auto kept_count = static_cast<double>(stats[at].kept);
 		print_row(all[at].name, rates[at], 1e-6, " M points/s", 3);
-		print_count(all[at].name + ": points", kept, "", 0);
+		print_count(all[at].name + ": points", kept_count, "", 0);
+		print_count(all[at].name + ": points computed per point kept",
+				static_cast<double>(stats[at].computed) / kept_count, "");
+		print_count(all[at].name + ": lines without a point, per point",
+				static_cast<double>(stats[at].lines) / kept_count, "");
 		print_count(
-				all[at].name + ": points computed per point kept", static_cast<double>(stats[at].computed) / kept, "");
-		print_count(
-				all[at].name + ": lines without a point, per point", static_cast<double>(stats[at].lines) / kept, "");
-		print_count(all[at].name + ": rejected darts, per point", static_cast<double>(stats[at].darts) / kept, "");
+				all[at].name + ": rejected darts, per point", static_cast<double>(stats[at].darts) / kept_count, "");
 	}
 }
 

@@ -58,13 +58,13 @@ LayerSettings spaced() {
 
 /// Returns a species that keeps `distance` from an earlier one, whose density is `density`.
 LayerSettings second_species(double earlier_radius, double density, double radius, double distance) {
-	auto earlier = std::make_shared<LayerSettings>(meadow(1));
-	earlier->set.radius = earlier_radius;
-	earlier->rules.density = density;
+	auto previous = std::make_shared<LayerSettings>(meadow(1));
+	previous->set.radius = earlier_radius;
+	previous->rules.density = density;
 	LayerSettings layer = meadow(1);
 	layer.set.layer = 3;
 	layer.set.radius = radius;
-	layer.neighbors = {{earlier, distance, nullptr}};
+	layer.neighbors = {{previous, distance, nullptr}};
 	return layer;
 }
 
@@ -111,13 +111,13 @@ LayerSettings mixed(bool by_rules) {
 }
 
 /// Returns a meadow with colors, either random or from a source at each plant.
-LayerSettings colored(SourceKind kind, double to = 1.0) {
+LayerSettings colored(SourceKind kind, double max_value = 1.0) {
 	LayerSettings layer = meadow(1);
 	layer.set.radius = 1.0;
 	layer.instance_data.use_colors = true;
 	layer.instance_data.colors = std::make_shared<const ColorTable>(256, glm::vec4(0.5f));
 	layer.instance_data.color.kind = kind;
-	layer.instance_data.color.max = to;
+	layer.instance_data.color.max = max_value;
 	layer.instance_data.color.layer = std::make_shared<LayerSettings>(forest(1));
 	return layer;
 }

@@ -91,13 +91,13 @@ const char *name_of(TileOrder order) {
 
 /// Parses all of `text` as a number in [least, most]. Returns false for anything else.
 template <typename Number>
-bool read(std::string_view text, Number least, Number most, Number &r_number) {
-	Number number{};
-	const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-	if (error != std::errc{} || end != text.data() + text.size() || !(least <= number && number <= most)) {
+bool read(std::string_view text, Number min_value, Number max_value, Number &r_number) {
+	Number value{};
+	const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+	if (error != std::errc{} || end != text.data() + text.size() || !(min_value <= value && value <= max_value)) {
 		return false;
 	}
-	r_number = number;
+	r_number = value;
 	return true;
 }
 
@@ -170,11 +170,11 @@ public:
 	}
 	void truth(const char *key, bool value) { add(key, value ? "true" : "false"); }
 	/// Writes `value` verbatim, or null if `known` is false.
-	void add(const char *key, const std::string &value, bool known = true) {
+	void add(const char *key, const std::string &value, bool is_known = true) {
 		line_ += line_.empty() ? "{\"" : ", \"";
 		line_ += key;
 		line_ += "\": ";
-		line_ += known ? value : "null";
+		line_ += is_known ? value : "null";
 	}
 	std::string end() const { return line_ + "}"; }
 
@@ -186,15 +186,15 @@ double coverage_z(const Outcome &outcome) { return (outcome.coverage - jammed_co
 
 /// Returns the names of violated guarantees as a JSON array.
 std::string broken_promises(const RunOptions &options, const Outcome &outcome, std::uint64_t resident) {
-	const Findings &found = outcome.found;
+	const Findings &findings = outcome.found;
 	const struct {
 		const char *name;
 		bool holds;
 	} promises[] = {
-			{"points", static_cast<double>(found.points) >= options.points},
+			{"points", static_cast<double>(findings.points) >= options.points},
 			{"tiles", outcome.tiles_finished == options.region().tiles() && outcome.tiles_repeated == 0},
-			{"places", found.misplaced == 0 && found.doubled == 0},
-			{"distance", found.too_close == 0},
+			{"places", findings.misplaced == 0 && findings.doubled == 0},
+			{"distance", findings.too_close == 0},
 			{"gaps", outcome.gaps.uncovered == 0},
 			{"windows", outcome.gaps.changed == 0},
 			{"coverage", std::abs(coverage_z(outcome)) <= largest_z},
@@ -228,20 +228,20 @@ void describe_request(const RunOptions &options, JsonLine &r_line) {
 
 void describe_findings(const RunOptions &options, const Outcome &outcome, JsonLine &r_line) {
 	const Region region = options.region();
-	const Findings &found = outcome.found;
+	const Findings &findings = outcome.found;
 	const auto checked = [&](const char *key, std::uint64_t value) {
 		r_line.add(key, std::to_string(value), options.verify);
 	};
-	r_line.whole("points", found.points);
+	r_line.whole("points", findings.points);
 	r_line.whole("tiles", region.tiles());
 	r_line.whole("side_cells", static_cast<std::uint64_t>(region.side));
 	r_line.real("side_radii", region.side / std::numbers::sqrt2, 9);
 	r_line.whole("radius_squared", radius_squared);
-	r_line.add("least_squared", std::to_string(found.min_squared_distance), options.verify && found.pairs > 0);
-	checked("pairs", found.pairs);
-	checked("too_close", found.too_close);
-	checked("misplaced", found.misplaced);
-	checked("doubled", found.doubled);
+	r_line.add("least_squared", std::to_string(findings.min_squared_distance), options.verify && findings.pairs > 0);
+	checked("pairs", findings.pairs);
+	checked("too_close", findings.too_close);
+	checked("misplaced", findings.misplaced);
+	checked("doubled", findings.doubled);
 	r_line.whole("tiles_missing", region.tiles() - outcome.tiles_finished);
 	r_line.whole("tiles_repeated", outcome.tiles_repeated);
 	checked("gap_tiles", outcome.gaps.tiles);
@@ -253,7 +253,7 @@ void describe_findings(const RunOptions &options, const Outcome &outcome, JsonLi
 	r_line.real("coverage_z", coverage_z(outcome), 4);
 	r_line.real("coverage_lattice_loss", coverage_lattice_loss, 3);
 	r_line.whole("blocks", Region::blocks_per_side * Region::blocks_per_side);
-	r_line.add("digest", hexadecimal(found.digest), options.verify);
+	r_line.add("digest", hexadecimal(findings.digest), options.verify);
 }
 
 void describe_cost(const RunOptions &options, const Outcome &outcome, double cpu_seconds, std::uint64_t resident,

@@ -72,22 +72,22 @@ func _physics_name() -> String:
 ## the node's time, one per round. The lists are empty if that takes too long.
 func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[PackedFloat64Array]:
 	var created: PackedFloat64Array = []
-	var removed: PackedFloat64Array = []
+	var removal_times: PackedFloat64Array = []
 	for round in rounds:
 		for kind: ScatterLayer.CollisionShape in [shape, ScatterLayer.COLLISION_NONE]:
 			var before: int = scatter.get_stats()["bodies"]
 			_layer.collision_shape = kind
 			var usec := 0.0
-			var changed := 0
+			var changed_count := 0
 			var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
-			while changed == 0 or not scatter.is_settled():
+			while changed_count == 0 or not scatter.is_settled():
 				await process_frame
 				usec += scatter.get_stats()["frame_usec"]
-				changed = absi(scatter.get_stats()["bodies"] - before)
+				changed_count = absi(scatter.get_stats()["bodies"] - before)
 				if Time.get_ticks_msec() > limit:
 					return []
-			(created if kind == shape else removed).push_back(changed * 1000.0 / usec)
-	return [created, removed]
+			(created if kind == shape else removal_times).push_back(changed_count * 1000.0 / usec)
+	return [created, removal_times]
 
 
 ## Returns the microseconds of each frame while the viewer moves.

@@ -68,19 +68,19 @@ def compare(what: str, unit: str, base: list[float], new: list[float]) -> Change
     ratios = sorted(b / a if a > 0 and b > 0 else 1.0 for a, b in zip(base, new, strict=True))
     ratio = statistics.median(ratios)
     against = sum(each >= 1.0 for each in ratios) if ratio < 1.0 else sum(each <= 1.0 for each in ratios)
-    moved = against <= outliers(len(ratios)) and abs(math.log(ratio)) >= math.log1p(LEAST)
-    return Change(what, unit, statistics.median(base), statistics.median(new), ratio, moved)
+    is_significant = against <= outliers(len(ratios)) and abs(math.log(ratio)) >= math.log1p(LEAST)
+    return Change(what, unit, statistics.median(base), statistics.median(new), ratio, is_significant)
 
 
 def compare_all(turns: list[tuple[dict, dict]]) -> tuple[list[Change], list[str]]:
     """Returns the changes of all rows that both commits print in every turn, and the names of the other rows."""
-    names = dict.fromkeys(what for pair in turns for side in pair for what in side)
-    shared = [what for what in names if all(what in side for pair in turns for side in pair)]
+    names = dict.fromkeys(label for pair in turns for side in pair for label in side)
+    shared = [label for label in names if all(label in side for pair in turns for side in pair)]
     changes = []
-    for what in shared:
-        base, new = ([pair[side][what][0] for pair in turns] for side in (0, 1))
-        changes.append(compare(what, turns[0][1][what][1], base, new))
-    return changes, [what for what in names if what not in shared]
+    for label in shared:
+        base, new = ([pair[side][label][0] for pair in turns] for side in (0, 1))
+        changes.append(compare(label, turns[0][1][label][1], base, new))
+    return changes, [label for label in names if label not in shared]
 
 
 def report(changes: list[Change], others: list[str], turns: int) -> str:
@@ -88,8 +88,8 @@ def report(changes: list[Change], others: list[str], turns: int) -> str:
     for change in changes:
         unit = f" {change.unit}" if change.unit else ""
         lines.append(f"| {change.what} | {change.base:g}{unit} | {change.new:g}{unit} | {change.ratio:.3f} | {change.verdict} |")
-    moved = [change for change in changes if change.moved]
-    lines += ["", f"{turns} turns; {len(moved)} of {len(changes)} rows moved, {sum(change.worse for change in moved)} for the worse."]
+    moved_changes = [change for change in changes if change.moved]
+    lines += ["", f"{turns} turns; {len(moved_changes)} of {len(changes)} rows moved, {sum(change.worse for change in moved_changes)} for the worse."]
     if outliers(turns) < 0:
         lines.append("These are too few turns to distinguish changes from noise: at least 8 are needed.")
     if others:
@@ -116,21 +116,21 @@ class Side:
         return folder
 
     def run(self, *command: str) -> str:
-        done = subprocess.run(command, cwd=self.folder, check=False, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
-        if done.returncode != 0:
-            sys.exit(f"compare: {' '.join(command)} in {self.folder} ended with {done.returncode}:\n{done.stdout[-2000:]}")
-        return done.stdout
+        result = subprocess.run(command, cwd=self.folder, check=False, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
+        if result.returncode != 0:
+            sys.exit(f"compare: {' '.join(command)} in {self.folder} ended with {result.returncode}:\n{result.stdout[-2000:]}")
+        return result.stdout
 
     def measure(self, programs: list[str], scripts: list[str]) -> dict[str, tuple[float, str]]:
         rows = {}
         for program in programs:
-            found = sorted(self.folder.glob(f"build/*.template_release.*/bench/{program}"))
-            if found:
-                rows |= {f"{program}: {what}": row for what, row in read_rows(self.run(str(found[0]), "1", "0.25")).items()}
+            program_files = sorted(self.folder.glob(f"build/*.template_release.*/bench/{program}"))
+            if program_files:
+                rows |= {f"{program}: {label}": row for label, row in read_rows(self.run(str(program_files[0]), "1", "0.25")).items()}
         for script in scripts:
             path = self.folder / "tests" / "bench" / f"{script}.gd"
             printed = self.run("tools/godot", "--headless", "--path", "demo_project", "--script", str(path)) if path.exists() else ""
-            rows |= {f"{script}: {what}": row for what, row in read_rows(printed).items()}
+            rows |= {f"{script}: {label}": row for label, row in read_rows(printed).items()}
         return rows
 
 

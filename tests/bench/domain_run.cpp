@@ -74,8 +74,8 @@ struct Outcome {
 	std::vector<glm::dvec2> dumped;
 };
 
-[[noreturn]] void fail(const std::string &why) {
-	std::fprintf(stderr, "domain_run: %s\n", why.c_str());
+[[noreturn]] void fail(const std::string &reason) {
+	std::fprintf(stderr, "domain_run: %s\n", reason.c_str());
 	std::exit(EXIT_FAILURE);
 }
 
@@ -158,12 +158,12 @@ Outcome run_tiles(const Request &request) {
 		constexpr double tile = 64.0;
 		const PointSet set{.seed = request.seed};
 		TileSampler sampler;
-		std::vector<SamplePoint> kept;
+		std::vector<SamplePoint> kept_points;
 		for (double y = 0.0; y < request.side; y += tile) {
 			for (double x = 0.0; x < request.side; x += tile) {
 				const glm::dvec2 corner(x, y);
-				require(sampler.sample(set, {corner, glm::min(corner + tile, glm::dvec2(request.side))}, kept));
-				for (const SamplePoint &point : kept) {
+				require(sampler.sample(set, {corner, glm::min(corner + tile, glm::dvec2(request.side))}, kept_points));
+				for (const SamplePoint &point : kept_points) {
 					r_points.push_back(point.position);
 				}
 			}
@@ -229,16 +229,16 @@ void write_dump(const std::string &path, const std::vector<glm::dvec2> &points, 
 		fail("cannot write " + path);
 	}
 	const std::uint64_t count = points.size();
-	const bool whole = std::fwrite(&count, sizeof count, 1, file) == 1 &&
+	const bool is_written = std::fwrite(&count, sizeof count, 1, file) == 1 &&
 			std::fwrite(points.data(), sizeof(glm::dvec2), points.size(), file) == points.size();
-	if (std::fclose(file) != 0 || !whole) {
+	if (std::fclose(file) != 0 || !is_written) {
 		fail("cannot write " + path);
 	}
 }
 
 void print(const Request &request, const Outcome &outcome, std::size_t resident_before) {
 	const DomainStats &stats = outcome.stats;
-	const auto number = [](const char *name, auto value) {
+	const auto field = [](const char *name, auto value) {
 		std::printf(", \"%s\": %llu", name, static_cast<unsigned long long>(value));
 	};
 	std::printf(
@@ -246,21 +246,21 @@ void print(const Request &request, const Outcome &outcome, std::size_t resident_
 			", \"seconds\": %.9f, \"cell_size\": %.6f",
 			request.method.c_str(), request.precision.c_str(), request.toroidal ? "true" : "false",
 			request.fill ? "true" : "false", request.side, outcome.seconds, stats.cell_size);
-	number("seed", request.seed);
-	number("asked", request.points);
-	number("points", outcome.points);
-	number("darts", stats.darts);
-	number("squares", stats.squares);
-	number("selections", stats.selections);
-	number("list_checks", stats.list_checks);
-	number("discarded", stats.discarded);
-	number("levels", stats.levels);
-	number("grid_bytes", stats.grid_bytes);
-	number("square_bytes", stats.square_bytes);
-	number("workspace_bytes", stats.workspace_bytes());
-	number("output_bytes", outcome.output_bytes);
-	number("resident_before", resident_before);
-	number("resident_peak", peak_resident_bytes());
+	field("seed", request.seed);
+	field("asked", request.points);
+	field("points", outcome.points);
+	field("darts", stats.darts);
+	field("squares", stats.squares);
+	field("selections", stats.selections);
+	field("list_checks", stats.list_checks);
+	field("discarded", stats.discarded);
+	field("levels", stats.levels);
+	field("grid_bytes", stats.grid_bytes);
+	field("square_bytes", stats.square_bytes);
+	field("workspace_bytes", stats.workspace_bytes());
+	field("output_bytes", outcome.output_bytes);
+	field("resident_before", resident_before);
+	field("resident_peak", peak_resident_bytes());
 	std::printf(", \"squares_by_level\": [");
 	for (std::size_t level = 0; level < stats.squares_by_level.size(); ++level) {
 		std::printf("%s%llu", level > 0 ? ", " : "", static_cast<unsigned long long>(stats.squares_by_level[level]));
@@ -323,9 +323,9 @@ int main(int argument_count, char **arguments) {
 	using namespace thicket::bench;
 	Request request = read(std::vector<std::string>(arguments + 1, arguments + argument_count));
 	const Method &method = find_method(request.method);
-	const bool known = request.precision == "single" || request.precision == "double";
+	const bool is_known = request.precision == "single" || request.precision == "double";
 	const auto &run = request.precision == "single" ? method.single : method.as_double;
-	if (!known || !run) {
+	if (!is_known || !run) {
 		fail(request.method + " has no " + request.precision + " precision");
 	}
 	if (!method.is_domain && (request.toroidal || request.fill || request.cell > 0.0)) {

@@ -38,11 +38,11 @@ func run() -> String:
 
 func _fly(folder: String, stop_name: String, count: int, meters: float) -> String:
 	var stops: Array = _demo.call(&"stops")
-	var found := stops.filter(func(stop: Dictionary) -> bool: return stop.name == stop_name)
-	if found.is_empty():
+	var matches := stops.filter(func(stop: Dictionary) -> bool: return stop.name == stop_name)
+	if matches.is_empty():
 		return "there is no stop %s" % stop_name
 	_demo.call(&"show_overlay", false)
-	var stop: Dictionary = found[0].duplicate()
+	var stop: Dictionary = matches[0].duplicate()
 	var heading := deg_to_rad(stop.heading)
 	for index in count:
 		_demo.call(&"place", stop)

@@ -79,9 +79,9 @@ func _measure(speed: float, seconds: float) -> void:
 	spent.sort()
 	var count := spent.size()
 	var flight := "a wide view, flight at %.0f m/s: main thread per frame" % speed
-	var ends := [spent[0], spent[-1], count]
-	print("| %s, median | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[count / 2]] + ends))
-	print("| %s, p99 | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[ceili(0.99 * count) - 1]] + ends))
+	var extremes := [spent[0], spent[-1], count]
+	print("| %s, median | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[count / 2]] + extremes))
+	print("| %s, p99 | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[ceili(0.99 * count) - 1]] + extremes))
 	# The time that the main thread waited for a CPU in the whole frame, including the engine's part. The system does
 	# not report when in the frame it waited.
 	var details := [parts_text(longest.get("frame_parts", {})), longest_waited]

@@ -49,22 +49,22 @@ func _make_layer(radius: float, tile_size: float) -> ScatterLayer:
 
 
 func _measure_circles(rounds: int) -> void:
-	var asked := {"trees": scatter.layers.slice(0, 1), "trees and ferns": scatter.layers.slice(0, 2), "grass": scatter.layers.slice(2, 3)}
-	for what: String in asked:
-		var layers: Array = asked[what]
+	var layer_sets := {"trees": scatter.layers.slice(0, 1), "trees and ferns": scatter.layers.slice(0, 2), "grass": scatter.layers.slice(2, 3)}
+	for label: String in layer_sets:
+		var layers: Array = layer_sets[label]
 		var warm := []
 		var cold := []
 		var read := []
-		var found: PackedInt64Array = scatter.query_sphere(_center, RADIUS, layers).ids
+		var known_ids: PackedInt64Array = scatter.query_sphere(_center, RADIUS, layers).ids
 		for round in rounds:
-			var far := _on_ground(_center + Vector3(400.0, 0.0, 300.0 * (round + 1)))
-			cold.push_back(time_of(scatter.query_sphere.bind(far, RADIUS, layers)) / 1e3)
+			var distant := _on_ground(_center + Vector3(400.0, 0.0, 300.0 * (round + 1)))
+			cold.push_back(time_of(scatter.query_sphere.bind(distant, RADIUS, layers)) / 1e3)
 			warm.push_back(time_of(scatter.query_sphere.bind(_center, RADIUS, layers)) / 1e3)
 			read.push_back(time_of(_read_all.bind(layers)) / 1e3)
-		var query := "query_sphere of %.0f m, %d instances of %s, " % [RADIUS, found.size(), what]
+		var query := "query_sphere of %.0f m, %d instances of %s, " % [RADIUS, known_ids.size(), label]
 		row(query + "tiles known", warm, "ms", 2)
 		row(query + "tiles known, ids, positions and transforms read", read, "ms", 2)
-		row("query_sphere of %.0f m elsewhere, %s, tiles generated on demand" % [RADIUS, what], cold, "ms", 1)
+		row("query_sphere of %.0f m elsewhere, %s, tiles generated on demand" % [RADIUS, label], cold, "ms", 1)
 
 
 func _read_all(layers: Array) -> int:
@@ -91,8 +91,8 @@ func _measure_single(rounds: int) -> void:
 
 ## Returns a random position 1 m above the ground, near enough for rays to stay within cached tiles.
 func _somewhere() -> Vector3:
-	var off := 40.0 * Vector3(_random.randf_range(-1, 1), 0, _random.randf_range(-1, 1))
-	return _on_ground(_center + off) + Vector3.UP
+	var offset := 40.0 * Vector3(_random.randf_range(-1, 1), 0, _random.randf_range(-1, 1))
+	return _on_ground(_center + offset) + Vector3.UP
 
 
 func _on_ground(at: Vector3) -> Vector3:
@@ -109,7 +109,7 @@ func _each(call: Callable) -> float:
 ## tiles.
 func _measure_removals(rounds: int) -> void:
 	var single := []
-	var many := []
+	var rates := []
 	var count := 0
 	for round in rounds:
 		var ids: PackedInt64Array = scatter.query_sphere(_center, 30.0, scatter.layers[1]).ids
@@ -119,12 +119,12 @@ func _measure_removals(rounds: int) -> void:
 			_draw()))
 		_restore(ids)
 		count = ids.size()
-		many.push_back(count * 1e6 / time_of(func() -> void:
+		positions.push_back(count * 1e6 / time_of(func() -> void:
 			scatter.remove_in_sphere(_center, 30.0, scatter.layers[1])
 			_draw()))
 		_restore(ids)
 	row("remove_instance, %d one by one in a frame, redraw included" % count, single, "per second", 0)
-	row("remove_in_sphere, %d at once, redraw included" % count, many, "per second", 0)
+	row("remove_in_sphere, %d at once, redraw included" % count, positions, "per second", 0)
 
 
 ## Updates the displayed tiles, because reading a tile applies all changes to it.
@@ -145,9 +145,9 @@ func _measure_states() -> void:
 		spread.remove(_random.randi() << 16 | _random.randi() & 0xffff) # The 48 bits of an ID that identify a cell.
 	_row_bytes("state, %d removals spread over all cells of a layer" % MILLION, spread)
 	var bytes := spread.to_bytes()
-	var loaded := ScatterState.new()
+	var loaded_state := ScatterState.new()
 	row("state, %d removals: to_bytes" % MILLION, [time_of(spread.to_bytes) / 1e3], "ms", 0)
-	row("state, %d removals: from_bytes" % MILLION, [time_of(loaded.from_bytes.bind(bytes)) / 1e3], "ms", 0)
+	row("state, %d removals: from_bytes" % MILLION, [time_of(loaded_state.from_bytes.bind(bytes)) / 1e3], "ms", 0)
 	var wood := ScatterState.new()
 	var ids: PackedInt64Array = scatter.query_sphere(_center, 2.0 * RADIUS, scatter.layers[1]).ids
 	for id in ids:
@@ -156,5 +156,5 @@ func _measure_states() -> void:
 	_row_bytes("state, %d removals, a third of the ferns of a wood" % wood.get_removed_count(), wood)
 
 
-func _row_bytes(what: String, state: ScatterState) -> void:
-	row(what + ": bytes per removal", [float(state.to_bytes().size()) / state.get_removed_count()], "", 2)
+func _row_bytes(label: String, state: ScatterState) -> void:
+	row(label + ": bytes per removal", [float(state.to_bytes().size()) / state.get_removed_count()], "", 2)

@@ -40,13 +40,13 @@ func _run() -> void:
 
 
 ## Runs a case, which fills its [Frames], and prints its row.
-func _measure(named: String, of: Callable) -> void:
-	if _only and not _only in named:
+func _measure(label: String, change: Callable) -> void:
+	if _only and not _only in label:
 		return
 	var frames := Frames.new()
-	await of.call(frames)
+	await change.call(frames)
 	frames.usec.sort()
-	print("| %s | %.2f | %.2f | %.2f | %d |" % [named, frames.usec[floori(0.99 * (frames.usec.size() - 1))] / 1000.0,
+	print("| %s | %.2f | %.2f | %.2f | %d |" % [label, frames.usec[floori(0.99 * (frames.usec.size() - 1))] / 1000.0,
 			frames.usec[-1] / 1000.0, frames.seconds, frames.tiles])
 	for child in root.get_children():
 		if child != _viewer:

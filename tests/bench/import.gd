@@ -24,18 +24,18 @@ func run() -> String:
 		"a MultiMesh": ImportInstances.from_node.bind(plain), "a rotated MultiMesh": ImportInstances.from_node.bind(turned),
 		"a table": ImportInstances.from_csv.bind(FILE),
 	}
-	var removed := PackedFloat64Array()
-	for what in sources:
+	var removal_times := PackedFloat64Array()
+	for label in sources:
 		var seconds := PackedFloat64Array()
 		for round in rounds_or(DEFAULT_ROUNDS):
 			scatter.state = ScatterState.new()
-			seconds.push_back(time_of(_import.bind(sources[what])) / 1e6)
+			seconds.push_back(time_of(_import.bind(sources[label])) / 1e6)
 			var ids := scatter.state.get_added()
 			if ids.size() != COUNT:
-				return "%s: expected %d imported instances, got %d" % [what, COUNT, ids.size()]
-			removed.push_back(time_of(scatter.remove_instances.bind(ids)) / 1e6)
-		row("import of 100,000 instances of %s" % what, seconds, "s", 2)
-	row("100,000 hand-placed instances removed", removed, "s", 2)
+				return "%s: expected %d imported instances, got %d" % [label, COUNT, ids.size()]
+			removal_times.push_back(time_of(scatter.remove_instances.bind(ids)) / 1e6)
+		row("import of 100,000 instances of %s" % label, seconds, "s", 2)
+	row("100,000 hand-placed instances removed", removal_times, "s", 2)
 	plain.free()
 	turned.free()
 	return ""

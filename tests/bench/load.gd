@@ -10,8 +10,8 @@ const SCENE := "scene"
 func run() -> String:
 	if OS.get_cmdline_user_args().has(SCENE):
 		return await _start_scene()
-	var with := PackedFloat64Array()
-	var without := PackedFloat64Array()
+	var with_scatter := PackedFloat64Array()
+	var without_scatter := PackedFloat64Array()
 	for round in rounds_or(DEFAULT_ROUNDS):
 		for scattered: bool in [true, false]:
 			var arguments: Array[String] = [SCENE] # Runs in a separate engine, which has nothing loaded yet.
@@ -20,9 +20,9 @@ func run() -> String:
 			var seconds := seconds_in_another_engine(arguments)
 			if seconds < 0.0:
 				return "an engine that was started printed no time"
-			(with if scattered else without).push_back(seconds)
-	row("from the engine's start to the first tile of the demo, headless", with, "s", 2)
-	row("from the engine's start to the scene's second frame, without the scatter", without, "s", 2)
+			(with_scatter if scattered else without_scatter).push_back(seconds)
+	row("from the engine's start to the first tile of the demo, headless", with_scatter, "s", 2)
+	row("from the engine's start to the scene's second frame, without the scatter", without_scatter, "s", 2)
 	return ""
 
 

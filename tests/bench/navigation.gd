@@ -25,19 +25,19 @@ func run() -> String:
 	await process_frame
 	var trees := _make_bodies()
 	var parse: Array[Array] = []
-	var whole: Array[Array] = []
+	var joined: Array[Array] = []
 	for kind in BODIES + 1:
 		parse.push_back([])
-		whole.push_back([])
+		joined.push_back([])
 	for round in rounds:
 		for kind in BODIES + 1:
 			_measure(NONE, [], []) # A run that is not counted: memory that earlier work has freed would favor the first kind.
-			_measure(kind, parse[kind], whole[kind])
+			_measure(kind, parse[kind], joined[kind])
 	row("navigation: parsing with %d trees" % trees, parse[TREES], "ms", 2)
-	row("navigation: time that the trees add to the bake", _added(whole, TREES), "ms", 2)
-	row("navigation: Thicket's fraction of it, without holes", _added(whole, ABOVE), "ms", 2)
-	row("navigation: time added by the same number of one-cell holes", _added(whole, CELLS), "ms", 2)
-	row("navigation: time added by the same trees as bodies in the scene", _added(whole, BODIES), "ms", 2)
+	row("navigation: time that the trees add to the bake", _added(joined, TREES), "ms", 2)
+	row("navigation: Thicket's fraction of it, without holes", _added(joined, ABOVE), "ms", 2)
+	row("navigation: time added by the same number of one-cell holes", _added(joined, CELLS), "ms", 2)
+	row("navigation: time added by the same trees as bodies in the scene", _added(joined, BODIES), "ms", 2)
 	_bodies.free()
 	_region.queue_free()
 	return "" if trees > 1250 and trees < 1350 else "there must be 1,251 to 1,349 trees, got %d" % trees
@@ -107,18 +107,18 @@ func _change(data: NavigationMeshSourceGeometryData3D, change: Callable) -> void
 func _shrink(tree: Dictionary) -> void:
 	var outline: PackedFloat32Array = tree.vertices
 	@warning_ignore("integer_division")
-	var across := outline.size() / 2
-	var middle := Vector2((outline[0] + outline[across]) / 2.0, (outline[2] + outline[across + 2]) / 2.0)
+	var column_count := outline.size() / 2
+	var middle := Vector2((outline[0] + outline[column_count]) / 2.0, (outline[2] + outline[column_count + 2]) / 2.0)
 	var half := 0.51 * _region.navigation_mesh.cell_size
 	tree.vertices = PackedFloat32Array([middle.x - half, 0, middle.y - half, middle.x + half, 0, middle.y - half,
 			middle.x + half, 0, middle.y + half, middle.x - half, 0, middle.y + half])
 	tree.carve = true
 
 
-func _added(whole: Array[Array], kind: int) -> PackedFloat64Array:
+func _added(joined: Array[Array], kind: int) -> PackedFloat64Array:
 	var added := PackedFloat64Array()
-	for round in whole[kind].size():
-		added.push_back(whole[kind][round] - whole[NONE][round])
+	for round in joined[kind].size():
+		added.push_back(joined[kind][round] - joined[NONE][round])
 	return added
 
 

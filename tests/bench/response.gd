@@ -69,11 +69,11 @@ func _frame() -> void:
 	var stats := scatter.get_stats()
 	_frames.push_back(float(stats.frame_usec))
 	_most_pending = maxi(_most_pending, int(stats.pending))
-	var now := thread_times()
-	_processor_frames.push_back(float(now.x - _processor_usec))
-	_waits.push_back(float(now.y - _wait_usec))
-	_processor_usec = now.x
-	_wait_usec = now.y
+	var current_times := thread_times()
+	_processor_frames.push_back(float(current_times.x - _processor_usec))
+	_waits.push_back(float(current_times.y - _wait_usec))
+	_processor_usec = current_times.x
+	_wait_usec = current_times.y
 
 
 func _find_near() -> void:
@@ -132,9 +132,9 @@ func _begin_round() -> void:
 	_frames.clear()
 	_processor_frames.clear()
 	_waits.clear()
-	var now := thread_times()
-	_processor_usec = now.x
-	_wait_usec = now.y
+	var current_times := thread_times()
+	_processor_usec = current_times.x
+	_wait_usec = current_times.y
 	_most_pending = 0
 
 
@@ -171,12 +171,12 @@ func _measure_drags(rounds: int) -> Dictionary:
 
 func _report(changes: Dictionary, drags: Dictionary) -> void:
 	var stats := scatter.get_stats()
-	var what := "slider, %d instances in %d tiles" % [stats.instances, stats.tiles]
-	row(what + ": %d tiles within %.0f m regenerated" % [_near.size(), NEAR], changes.near, "ms")
-	row(what + ": all tiles regenerated", changes.all, "ms")
-	_row_frames(what, changes)
-	row(what + ": pending tiles, at most", changes.pending, "")
-	var drag := what + ", dragged for %.0f s" % DRAG_SECONDS
+	var label := "slider, %d instances in %d tiles" % [stats.instances, stats.tiles]
+	row(label + ": %d tiles within %.0f m regenerated" % [_near.size(), NEAR], changes.near, "ms")
+	row(label + ": all tiles regenerated", changes.all, "ms")
+	_row_frames(label, changes)
+	row(label + ": pending tiles, at most", changes.pending, "")
+	var drag := label + ", dragged for %.0f s" % DRAG_SECONDS
 	row(drag + ": the last value within %.0f m" % NEAR, drags.near, "ms")
 	row(drag + ": the last value everywhere", drags.all, "ms")
 	row(drag + ": each tile within %.0f m regenerated meanwhile, at least" % NEAR, drags.renewed, "times per second")
@@ -186,9 +186,9 @@ func _report(changes: Dictionary, drags: Dictionary) -> void:
 		printerr("response: %d instances are visible, expected about %d" % [stats.instances, INSTANCES])
 
 
-func _row_frames(what: String, figures: Dictionary) -> void:
-	row(what + ": main thread per frame, longest", figures.longest, "µs")
-	row(what + ": main thread per frame, p99", figures.p99, "µs")
+func _row_frames(label: String, figures: Dictionary) -> void:
+	row(label + ": main thread per frame, longest", figures.longest, "µs")
+	row(label + ": main thread per frame, p99", figures.p99, "µs")
 	if _processor_usec > 0:
-		row(what + ": time that the thread waited for a core in that longest frame", figures.waited, "µs")
-		row(what + ": processor time of the engine's main thread per frame, longest", figures.processor, "µs")
+		row(label + ": time that the thread waited for a core in that longest frame", figures.waited, "µs")
+		row(label + ": processor time of the engine's main thread per frame, longest", figures.processor, "µs")

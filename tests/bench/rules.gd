@@ -35,10 +35,10 @@ func run() -> String:
 	await _fill(_by_property) # The first round warms up.
 	var times: Dictionary[String, Array] = {}
 	for round in rounds:
-		for named in contenders:
-			times.get_or_add(named, []).push_back(await _fill(contenders[named]))
-	for named in times:
-		_report(named, times[named], times.values()[0])
+		for label in contenders:
+			times.get_or_add(label, []).push_back(await _fill(contenders[label]))
+	for label in times:
+		_report(label, times[label], times.values()[0])
 	return ""
 
 
@@ -81,7 +81,7 @@ func _fill(add_rule: Callable) -> float:
 	return seconds
 
 
-func _report(named: String, times: Array, base: Array) -> void:
+func _report(label: String, times: Array, base: Array) -> void:
 	var ratios: Array[float] = []
 	for round in times.size():
 		ratios.push_back(times[round] / base[round])
@@ -89,4 +89,4 @@ func _report(named: String, times: Array, base: Array) -> void:
 	times.sort()
 	ratios.sort()
 	print("| first fill of a layer with %s | %.2f s | %.2f to %.2f times the property's, median %.2f | %d |" % [
-		named, times[floori(times.size() / 2.0)], ratios[0], ratios[-1], ratios[floori(ratios.size() / 2.0)], times.size()])
+		label, times[floori(times.size() / 2.0)], ratios[0], ratios[-1], ratios[floori(ratios.size() / 2.0)], times.size()])

@@ -167,36 +167,36 @@ func _change(frame: int) -> void:
 ## Saves and loads the state through a file or bytes. The loaded state replaces the old one, so the world does not change.
 func _save_and_load(by_file: bool) -> void:
 	var digest := _scatter.state.get_digest()
-	var loaded := ScatterState.new()
+	var loaded_state := ScatterState.new()
 	if by_file:
 		_expect(ResourceSaver.save(_scatter.state, SAVED) == OK, "the state can be saved")
-		loaded = ResourceLoader.load(SAVED, "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
+		loaded_state = ResourceLoader.load(SAVED, "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
 	else:
-		_expect(loaded.from_bytes(_scatter.state.to_bytes()) == OK, "the state's bytes can be read")
-	_expect(loaded != null and loaded.get_digest() == digest, "a loaded state equals the saved one")
-	_scatter.state = loaded
+		_expect(loaded_state.from_bytes(_scatter.state.to_bytes()) == OK, "the state's bytes can be read")
+	_expect(loaded_state != null and loaded_state.get_digest() == digest, "a loaded state equals the saved one")
+	_scatter.state = loaded_state
 	_done.loads += 1
 
 
 func _ask(frame: int) -> void:
-	var here := _viewer.position
+	var center := _viewer.position
 	if frame % 11 == 0:
-		var near := _scatter.query_sphere(here, 40.0)
-		_expect(near.ids.size() == near.positions.size() and near.transforms.size() == 12 * near.ids.size(),
+		var nearby := _scatter.query_sphere(center, 40.0)
+		_expect(nearby.ids.size() == nearby.positions.size() and nearby.transforms.size() == 12 * nearby.ids.size(),
 				"all arrays of a query result have the same length")
 		_done.answers += 1
 	if frame % 13 == 0:
-		var nearest := _scatter.query_nearest(here, 100.0, _scatter.layers[0], func(_id: int, _layer: ScatterLayer, at: Transform3D) -> bool:
-			return at.origin.x > here.x)
+		var nearest := _scatter.query_nearest(center, 100.0, _scatter.layers[0], func(_id: int, _layer: ScatterLayer, at: Transform3D) -> bool:
+			return at.origin.x > center.x)
 		_expect(nearest == null or _scatter.has_instance(nearest.id), "the nearest instance exists")
-		_scatter.query_ray(here + Vector3(0.0, 5.0, 0.0), here + _heading * 80.0)
+		_scatter.query_ray(center + Vector3(0.0, 5.0, 0.0), center + _heading * 80.0)
 		_done.answers += 2
 	if frame % 37 == 0:
-		var request := _scatter.request_sphere(here + _heading * 3000.0, 100.0, [_scatter.layers[0], _scatter.layers[1]])
+		var request := _scatter.request_sphere(center + _heading * 3000.0, 100.0, [_scatter.layers[0], _scatter.layers[1]])
 		request.completed.connect(_on_completed.bind(request.get_instance_id()))
 		_requests[request.get_instance_id()] = true
 	if frame % 111 == 0:
-		_scatter.request_rect(Rect2(here.x, here.z, 500.0, 500.0)).cancel()
+		_scatter.request_rect(Rect2(center.x, center.z, 500.0, 500.0)).cancel()
 
 
 func _on_completed(result: ScatterInstances, request: int) -> void:
@@ -297,9 +297,9 @@ static func _most(values: PackedInt64Array) -> float:
 	return Array(values).max()
 
 
-func _compare(when: String, got: Dictionary, expected: Dictionary, keys: Array[String]) -> void:
+func _compare(label: String, got: Dictionary, expected: Dictionary, keys: Array[String]) -> void:
 	for key in keys:
-		_expect(got[key] == expected[key], "the number of %s %s is %d, expected %d" % [key, when, got[key], expected[key]])
+		_expect(got[key] == expected[key], "the number of %s %s is %d, expected %d" % [key, label, got[key], expected[key]])
 
 
 func _line(elapsed: float) -> String:
@@ -311,6 +311,6 @@ func _line(elapsed: float) -> String:
 			count.resident / 1e6, count.nodes, count.objects, count.bodies]]
 
 
-func _expect(holds: bool, what: String) -> void:
+func _expect(holds: bool, message: String) -> void:
 	if not holds and _failure == "":
-		_failure = what
+		_failure = message

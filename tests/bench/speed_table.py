@@ -109,8 +109,8 @@ def tables(kept: dict, sections: dict[str, list[str]]) -> str:
 def measured(kept: dict) -> str:
     machines = dict.fromkeys(part["machine"] for part in kept.values())
     dates = sorted(part["date"] for part in kept.values())
-    when = f"on {dates[0]}" if dates[0] == dates[-1] else f"from {dates[0]} to {dates[-1]}"
-    return f"Measured {when}: {'; '.join(machines)}."
+    dates_text = f"on {dates[0]}" if dates[0] == dates[-1] else f"from {dates[0]} to {dates[-1]}"
+    return f"Measured {dates_text}: {'; '.join(machines)}."
 
 
 def put(page: str, text: str) -> str:
@@ -125,13 +125,13 @@ def main() -> None:
     parser.add_argument("--machine", help="the machine that measured the rows")
     parser.add_argument("rows", nargs="?", type=Path)
     arguments = parser.parse_args()
-    kept = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
+    kept_parts = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
     if arguments.rows:
         if not arguments.machine:
             parser.error("--machine must describe the machine on which the rows were measured")
-        kept = keep(kept, read(arguments.rows), arguments.machine, datetime.date.today().isoformat())
-        KEPT.write_text(json.dumps(kept, indent="\t", ensure_ascii=False) + "\n", encoding="utf-8")
-    PAGE.write_text(put(PAGE.read_text(encoding="utf-8"), tables(kept, SECTIONS)), encoding="utf-8")
+        kept_parts = keep(kept_parts, read(arguments.rows), arguments.machine, datetime.date.today().isoformat())
+        KEPT.write_text(json.dumps(kept_parts, indent="\t", ensure_ascii=False) + "\n", encoding="utf-8")
+    PAGE.write_text(put(PAGE.read_text(encoding="utf-8"), tables(kept_parts, SECTIONS)), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -22,32 +22,32 @@ func run() -> String:
 	make_scatter(demo_terrain(), _layers(), _viewer)
 	_viewer.position = Vector3(310.0, 100.0, -270.0)
 	var failure := await idle()
-	var far := _far_state()
+	var far_state := _far_state()
 	var events := {
 		"%d bodies added far apart" % BODIES: [_add_bodies, _remove_bodies],
-		"a diff of 10^6 changes": [_apply.bind(far.diff_since(0)), _forget],
-		"a diff of 10^6 changes, apply_diff_async": [_apply_async.bind(far.diff_since(0)), _forget],
-		"a new state of 10^6 removals": [_take.bind(far), _forget],
+		"a diff of 10^6 changes": [_apply.bind(far_state.diff_since(0)), _forget],
+		"a diff of 10^6 changes, apply_diff_async": [_apply_async.bind(far_state.diff_since(0)), _forget],
+		"a new state of 10^6 removals": [_take.bind(far_state), _forget],
 		"a jump of 10 km": [_jump.bind(10000.0), _jump.bind(-10000.0)],
 		"a changed rule of a layer": [_change.bind(0.5), _change.bind(1.0)],
 	}
-	for what: String in events:
+	for label: String in events:
 		var longest := []
 		var calls := []
-		var beyond := []
+		var frames_over := []
 		var parts := {}
 		for round in rounds:
 			for way: int in [0, 1]:
-				var stats: Dictionary = await _watch(events[what][way])
+				var stats: Dictionary = await _watch(events[label][way])
 				if way == 0:
 					if longest.is_empty() or stats.frame_usec < longest.min():
 						parts = stats.frame_parts
 					longest.push_back(stats.frame_usec)
-					beyond.push_back(_beyond_idle_usec)
+					frames_over.push_back(_beyond_idle_usec)
 					calls.push_back(_call_usec)
-		row(what + ": the call", [calls.min()], "µs")
-		row(what + ": all of the main thread's processor time in a frame, beyond that of an idle frame", [beyond.min()], "µs")
-		print("| %s: the longest frame | %d µs | %s | %d |" % [what, longest.min(), parts_text(parts), rounds])
+		row(label + ": the call", [calls.min()], "µs")
+		row(label + ": all of the main thread's processor time in a frame, beyond that of an idle frame", [frames_over.min()], "µs")
+		print("| %s: the longest frame | %d µs | %s | %d |" % [label, longest.min(), parts_text(parts), rounds])
 	return failure
 
 
@@ -115,9 +115,9 @@ func _remove_bodies() -> void:
 ## Returns a state with removals all over a layer, only a few of which are near the viewer.
 func _far_state() -> ScatterState:
 	var state := ScatterState.new()
-	var some: int = scatter.query_rect(Rect2(300.0, -280.0, 20.0, 20.0), scatter.layers[1]).ids[0]
+	var tree_id: int = scatter.query_rect(Rect2(300.0, -280.0, 20.0, 20.0), scatter.layers[1]).ids[0]
 	for index in MILLION:
-		state.remove((some & ~0xffffffffffff) | (index * 7919 << 3))
+		state.remove((tree_id & ~0xffffffffffff) | (index * 7919 << 3))
 	return state
 
 
@@ -132,8 +132,8 @@ func _apply_async(diff: PackedByteArray) -> void:
 	scatter.state.apply_diff_async(diff, func(error: Error) -> void: _under_way = error != OK)
 
 
-func _take(far: ScatterState) -> void:
-	scatter.state = far
+func _take(far_state: ScatterState) -> void:
+	scatter.state = far_state
 
 
 func _forget() -> void:

@@ -88,8 +88,8 @@ func _report(frames: Array[Dictionary]) -> void:
 		most_waiting = maxi(most_waiting, int(stats.waiting) + int(stats.pending))
 	spent.sort()
 	var last := frames[-1]
-	var drawn := "headless" if DisplayServer.get_name() == "headless" else "drawn in software"
-	var flight := "flight at %.0f m/s, budget %d µs, %s" % [SPEED, _scatter.get(&"frame_budget_usec"), drawn]
+	var drawing_mode := "headless" if DisplayServer.get_name() == "headless" else "drawn in software"
+	var flight := "flight at %.0f m/s, budget %d µs, %s" % [SPEED, _scatter.get(&"frame_budget_usec"), drawing_mode]
 	var count := frames.size()
 	var row := "| %s: main thread per frame, %s | %.0f µs | %.0f to %.0f µs | %d frames |"
 	print(row % [flight, "median", spent[count / 2], spent[0], spent[-1], count])

@@ -60,8 +60,8 @@ def by_trimesh(mesh: trimesh.Trimesh, count: int, seed: int) -> np.ndarray:
 
 def by_open3d(mesh: trimesh.Trimesh, count: int, seed: int) -> np.ndarray:
     open3d.utility.random.seed(seed)
-    same = open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(mesh.vertices), open3d.utility.Vector3iVector(mesh.faces))
-    return np.asarray(same.sample_points_poisson_disk(count, init_factor=5).points)
+    open3d_mesh = open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(mesh.vertices), open3d.utility.Vector3iVector(mesh.faces))
+    return np.asarray(open3d_mesh.sample_points_poisson_disk(count, init_factor=5).points)
 
 
 def row(name: str, sample: Callable[..., np.ndarray], mesh: trimesh.Trimesh, count: int, rounds: int) -> str:
@@ -73,18 +73,18 @@ def row(name: str, sample: Callable[..., np.ndarray], mesh: trimesh.Trimesh, cou
     tree = cKDTree(positions)
     nearest = tree.query(positions, k=2)[0][:, 1].min()
     gap = tree.query(trimesh.sample.sample_surface(mesh, 200_000, seed=1)[0])[0].max()
-    covered = len(positions) * np.pi / 4 / mesh.area
-    return f"| {name} | {len(positions)} | {statistics.median(speeds):.1f} | {nearest:.3f} | {gap:.3f} | {covered:.4f} |"
+    covered_fraction = len(positions) * np.pi / 4 / mesh.area
+    return f"| {name} | {len(positions)} | {statistics.median(speeds):.1f} | {nearest:.3f} | {gap:.3f} | {covered_fraction:.4f} |"
 
 
 def main(arguments: list[str]) -> None:
     points = int(arguments[0]) if arguments else 20_000
     rounds = int(arguments[1]) if len(arguments) > 1 else 3
     print("| What | Points | Thousand points/s | Least distance | Largest gap | Coverage |\n|---|---|---|---|---|---|")
-    for what, mesh in (("sphere", sphere(points)), ("hills", hills(points))):
+    for label, mesh in (("sphere", sphere(points)), ("hills", hills(points))):
         count = len(by_poissontiles(mesh, 0, 0))
         for name, sample in (("poissontiles", by_poissontiles), ("trimesh", by_trimesh), ("Open3D", by_open3d)):
-            print(row(f"{what}, {len(mesh.faces)} triangles: {name}", sample, mesh, count, rounds), flush=True)
+            print(row(f"{label}, {len(mesh.faces)} triangles: {name}", sample, mesh, count, rounds), flush=True)
 
 
 if __name__ == "__main__":

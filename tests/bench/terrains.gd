@@ -41,10 +41,10 @@ func _run() -> void:
 	var times: Dictionary[String, Array] = {"ScatterGroundHeightmap": base}
 	for round in rounds:
 		base.push_back(await _fill(_make_heightmap))
-		for named in contenders:
-			times.get_or_add(named, []).push_back(await _fill(contenders[named]))
-	for named in times:
-		_report(named, times[named], base)
+		for label in contenders:
+			times.get_or_add(label, []).push_back(await _fill(contenders[label]))
+	for label in times:
+		_report(label, times[label], base)
 	_report("HTerrain, queried point by point", [await _fill(_make_asked)], [await _fill(_make_heightmap)])
 	quit()
 
@@ -137,7 +137,7 @@ class Asked extends Node3D:
 		return of.ground_at(at)
 
 
-func _report(named: String, times: Array, base: Array) -> void:
+func _report(label: String, times: Array, base: Array) -> void:
 	var ratios: Array[float] = []
 	for round in times.size():
 		ratios.push_back(times[round] / base[round])
@@ -145,4 +145,4 @@ func _report(named: String, times: Array, base: Array) -> void:
 	times.sort()
 	ratios.sort()
 	print("| first fill on %s | %.2f s | %.2f to %.2f times the heightmap's, median %.2f | %d |" % [
-		named, times[floori(times.size() / 2.0)], ratios[0], ratios[-1], ratios[floori(ratios.size() / 2.0)], times.size()])
+		label, times[floori(times.size() / 2.0)], ratios[0], ratios[-1], ratios[floori(ratios.size() / 2.0)], times.size()])

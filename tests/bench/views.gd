@@ -13,8 +13,8 @@ var _demo: Node3D
 
 
 func run() -> String:
-	var only := OS.get_cmdline_user_args()
-	var wanted: PackedStringArray = only[0].split(",") if only.size() > 0 else PackedStringArray(STOPS)
+	var user_arguments := OS.get_cmdline_user_args()
+	var stop_names: PackedStringArray = user_arguments[0].split(",") if user_arguments.size() > 0 else PackedStringArray(STOPS)
 	root.size = SIZE
 	root.disable_3d = true
 	_demo = (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
@@ -22,7 +22,7 @@ func run() -> String:
 	await process_frame
 	scatter = _demo.get(&"scatter")
 	for stop: Dictionary in _demo.call(&"stops"):
-		if stop.name in wanted:
+		if stop.name in stop_names:
 			_demo.call(&"place", stop)
 			var failure := await _compare(stop.name)
 			if failure != "":
@@ -33,9 +33,9 @@ func run() -> String:
 
 
 func _compare(stop: String) -> String:
-	var most := scatter.max_multimeshes
+	var max_multimeshes := scatter.max_multimeshes
 	for cells: bool in [false, true]:
-		scatter.max_multimeshes = most if cells else 0
+		scatter.max_multimeshes = max_multimeshes if cells else 0
 		var failure := await idle()
 		if failure != "":
 			return failure
@@ -44,7 +44,7 @@ func _compare(stop: String) -> String:
 
 
 func _print(stop: String, how: String) -> void:
-	var seen := scatter.get_draw_stats(_demo.get(&"camera"))
+	var draw_stats := scatter.get_draw_stats(_demo.get(&"camera"))
 	for figure: String in ["triangles", "draw_calls"]:
-		exact_row("view %s, tiles %s: %s in sight" % [stop, how, figure.replace("_", " ")], str(seen[figure]))
+		exact_row("view %s, tiles %s: %s in sight" % [stop, how, figure.replace("_", " ")], str(draw_stats[figure]))
 	exact_row("view %s, tiles %s: visible multimeshes" % [stop, how], str(scatter.get_stats().multimeshes))

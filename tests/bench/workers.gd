@@ -31,20 +31,20 @@ func run() -> String:
 	var shares := {}
 	make_scatter(heightmap, [], _viewer)
 	for round in rounds:
-		for what: String in cases:
+		for label: String in cases:
 			var alone := _sampler_alone()
-			var failure := await _fill(cases[what][0], cases[what][1])
+			var failure := await _fill(cases[label][0], cases[label][1])
 			if failure != "":
-				return what + ": " + failure
+				return label + ": " + failure
 			var stats := scatter.get_stats()
 			var rate: float = float(stats.points_sampled) / stats.worker_usec
-			(rates.get_or_add(what, []) as Array).push_back(rate)
+			(rates.get_or_add(label, []) as Array).push_back(rate)
 			if alone > 0.0:
-				(shares.get_or_add(what, []) as Array).push_back(rate / alone)
-	for what: String in cases:
-		row("a worker's points, on " + what, rates[what], "M points/s", 2)
-		if what in shares:
-			row("a worker's points over the sampler's alone, on " + what, shares[what], "times", 3)
+				(shares.get_or_add(label, []) as Array).push_back(rate / alone)
+	for label: String in cases:
+		row("a worker's points, on " + label, rates[label], "M points/s", 2)
+		if label in shares:
+			row("a worker's points over the sampler's alone, on " + label, shares[label], "times", 3)
 	return ""
 
 

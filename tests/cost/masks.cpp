@@ -13,11 +13,11 @@ PaintedMask painted(const Recipe &recipe, std::size_t count) {
 	PaintedMask mask;
 	need(mask.reset(1.0, 0.0));
 	for (const glm::dvec2 &center : recipe.points(count)) {
-		Rect changed;
+		Rect changed_rect;
 		Brush brush;
 		brush.center = center;
 		brush.radius = 3.0;
-		need(mask.paint(brush, changed));
+		need(mask.paint(brush, changed_rect));
 	}
 	return mask;
 }
@@ -31,8 +31,8 @@ std::uint64_t paint(const Recipe &recipe, std::size_t count) {
 std::uint64_t save_and_load_mask(const Recipe &recipe, std::size_t count) {
 	const PaintedMask mask = painted(recipe, count / dabs_divisor);
 	return steps_of([&] {
-		PaintedMask loaded;
-		need(loaded.from_bytes(mask.to_bytes()));
+		PaintedMask loaded_mask;
+		need(loaded_mask.from_bytes(mask.to_bytes()));
 	});
 }
 

@@ -16,8 +16,8 @@ std::uint64_t mesh(const Recipe &recipe, std::size_t count, bool longish) {
 	for (std::size_t i = 0; i < count; ++i) {
 		const double height = static_cast<double>(i % 7);
 		for (std::size_t corner = 0; corner < 3; ++corner) {
-			const glm::dvec2 own = longish ? points[3 * i + corner] : points[i];
-			corners.emplace_back(own.x + (corner == 1 ? 1.0 : 0.0), height, own.y + (corner == 2 ? 1.0 : 0.0));
+			const glm::dvec2 point = longish ? points[3 * i + corner] : points[i];
+			corners.emplace_back(point.x + (corner == 1 ? 1.0 : 0.0), height, point.y + (corner == 2 ? 1.0 : 0.0));
 		}
 	}
 	return steps_of([&] {

@@ -53,9 +53,9 @@ Points Recipe::points(std::size_t count) const {
 std::vector<std::uint64_t> Recipe::ids(std::size_t count) const {
 	std::vector<std::uint64_t> result;
 	for (std::size_t i = 0; i < count; ++i) {
-		const std::uint64_t number = stride_ * (i + 1);
+		const std::uint64_t index = stride_ * (i + 1);
 		const auto layer = static_cast<std::uint64_t>(kind_) % 3 == 0 ? i % 5 : 0;
-		result.push_back(layer << 48 | (number & 0xffffffffffff));
+		result.push_back(layer << 48 | (index & 0xffffffffffff));
 	}
 	std::ranges::sort(result);
 	result.erase(std::unique(result.begin(), result.end()), result.end());

@@ -11,9 +11,9 @@ namespace {
 
 void question(const ShapeSet &set) {
 	for (const glm::dvec2 &position : fixed_positions()) {
-		std::vector<std::uint32_t> near;
-		need(set.find_nearby({position - 1.0, position + 1.0}, near));
-		static_cast<void>(set.density(near, {position.x, 0.0, position.y}));
+		std::vector<std::uint32_t> near_shapes;
+		need(set.find_nearby({position - 1.0, position + 1.0}, near_shapes));
+		static_cast<void>(set.density(near_shapes, {position.x, 0.0, position.y}));
 	}
 }
 

@@ -28,10 +28,10 @@ std::vector<AddedInstance> instances(const Recipe &recipe, std::size_t count) {
 	return result;
 }
 
-InstanceState felled(const Recipe &recipe, std::size_t count, double until = 0.0) {
+InstanceState felled(const Recipe &recipe, std::size_t count, double return_time = 0.0) {
 	InstanceState state;
 	for (const std::uint64_t id : recipe.ids(count)) {
-		need(state.remove(id, until).status);
+		need(state.remove(id, return_time).status);
 	}
 	return state;
 }
@@ -118,10 +118,10 @@ std::uint64_t grow_at_once(const Recipe &recipe, std::size_t count) {
 
 std::uint64_t grow_one_by_one(const Recipe &recipe, std::size_t count) {
 	InstanceState state;
-	double until = 0.0;
+	double return_time = 0.0;
 	const std::vector<std::uint64_t> ids = recipe.ids(count);
 	for (const std::uint64_t id : ids) {
-		need(state.remove(id, until += 1.0).status);
+		need(state.remove(id, return_time += 1.0).status);
 	}
 	Changes changes;
 	return steps_of([&] {
@@ -134,10 +134,10 @@ std::uint64_t grow_one_by_one(const Recipe &recipe, std::size_t count) {
 std::uint64_t postpone(const Recipe &recipe, std::size_t count) {
 	InstanceState state;
 	const std::vector<std::uint64_t> ids = recipe.ids(count);
-	double until = 1.0;
+	double return_time = 1.0;
 	return steps_of([&] {
 		for (std::size_t i = 0; i < 4 * count; ++i) {
-			need(state.remove(ids[i % ids.size()], until += 1.0).status);
+			need(state.remove(ids[i % ids.size()], return_time += 1.0).status);
 		}
 	});
 }
@@ -167,12 +167,12 @@ std::uint64_t save_and_load(const Recipe &recipe, std::size_t count) {
 
 std::uint64_t apply_diffs(const Recipe &recipe, std::size_t count) {
 	const Stored removals = diff_of(felled(recipe, count));
-	const Stored placed = diff_of(planted(recipe, count));
+	const Stored added_bytes = diff_of(planted(recipe, count));
 	InstanceState state;
 	Changes changes;
 	return steps_of([&] {
 		need(state.apply(removals, changes));
-		need(state.apply(placed, changes));
+		need(state.apply(added_bytes, changes));
 	});
 }
 

@@ -17,9 +17,9 @@ public:
 	template <typename T>
 	T raw() {
 		T value{};
-		const std::size_t taken = rest_.size() < sizeof value ? rest_.size() : sizeof value;
-		std::memcpy(&value, rest_.data(), taken);
-		rest_ = rest_.subspan(taken);
+		const std::size_t byte_count = rest_.size() < sizeof value ? rest_.size() : sizeof value;
+		std::memcpy(&value, rest_.data(), byte_count);
+		rest_ = rest_.subspan(byte_count);
 		return value;
 	}
 

@@ -1,5 +1,5 @@
 // Samples random domains with all methods. The sampler must either reject a request or return a set
-// that keeps its promises.
+// with all guaranteed properties.
 
 #include "tests/analysis/domain_check.hpp"
 #include "tests/fuzz/bytes.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 using namespace thicket;
 using fuzz::Bytes;
-using fuzz::promise;
+using fuzz::require;
 
 DomainRequest read_request(Bytes &r_bytes) {
 	DomainRequest request;
@@ -50,10 +50,10 @@ void check_points(const DomainRequest &request, const std::vector<glm::vec<2, Re
 	const bool maximal = request.method != DomainMethod::naive && shape.tolerance <= request.radius / 8.0;
 	const analysis::DomainReport report =
 			analysis::DomainCheck::run(std::span<const glm::vec<2, Real>>(points), shape, maximal);
-	promise(report.points > 0, "no domain is empty");
-	promise(report.outside == 0, "a point lies in its domain");
-	promise(report.too_close == 0, "points keep the minimum distance");
-	promise(report.uncovered == 0, "no gap is left");
+	require(report.points > 0, "no domain is empty");
+	require(report.outside == 0, "a point lies in its domain");
+	require(report.too_close == 0, "points keep the minimum distance");
+	require(report.uncovered == 0, "no gap is left");
 }
 
 /// Checks that a request produces the same set with a different cell size and a different variant
@@ -66,32 +66,32 @@ void check_twin(DomainRequest request, const std::vector<glm::vec<2, Real>> &poi
 				request.method == DomainMethod::hierarchical ? DomainMethod::accumulator : DomainMethod::hierarchical;
 	}
 	std::vector<glm::vec<2, Real>> twin;
-	promise(DomainSampler<Real>().sample(request, twin).ok() && twin == points, "cells and variants change no point");
+	require(DomainSampler<Real>().sample(request, twin).ok() && twin == points, "cells and variants change no point");
 	DomainSampler<Real> sampler;
-	promise(sampler.fill(request).ok(), "a domain that can be sampled can be filled");
+	require(sampler.fill(request).ok(), "a domain that can be sampled can be filled");
 	std::size_t visited = 0;
 	sampler.visit([&](std::span<const Real> x, std::span<const Real>) { visited += x.size(); });
-	promise(visited == points.size(), "every point is visited");
+	require(visited == points.size(), "every point is visited");
 }
 
 template <typename Real>
 void sample_one(const DomainRequest &request) {
 	static DomainSampler<Real> sampler;
-	const std::atomic<bool> raised{true};
+	const std::atomic<bool> cancel{true};
 	std::vector<glm::vec<2, Real>> points(1, glm::vec<2, Real>(77));
 	const std::vector<glm::vec<2, Real>> before = points;
 	const Status status =
-			sampler.sample(request, points, {.cancel = is_small(request) ? nullptr : &raised, .report = {}});
+			sampler.sample(request, points, {.cancel = is_small(request) ? nullptr : &cancel, .report = {}});
 	if (status.ok()) {
-		promise(validate(request).ok(), "a bad request is rejected");
-		promise(sampler.stats().points == points.size(), "points are counted");
+		require(validate(request).ok(), "a bad request is rejected");
+		require(sampler.stats().points == points.size(), "points are counted");
 		check_points<Real>(request, points);
 		check_twin<Real>(request, points);
 	} else {
-		promise(points == before, "a failed call has no effect");
-		promise(status.code == ErrorCode::cancelled || describe(status).find(status.property) == 0,
+		require(points == before, "a failed call has no effect");
+		require(status.code == ErrorCode::cancelled || describe(status).find(status.property) == 0,
 				"an error names the property");
-		promise(validate(request).ok() || validate(request).code == status.code, "a bad request is rejected as such");
+		require(validate(request).ok() || validate(request).code == status.code, "a bad request is rejected as such");
 	}
 }
 

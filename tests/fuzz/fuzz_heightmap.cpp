@@ -14,17 +14,17 @@ namespace {
 
 using namespace thicket;
 using fuzz::Bytes;
-using fuzz::promise;
+using fuzz::require;
 using png::Stored;
 
 void check(const Status &status, const Posts &posts) {
 	if (!status.ok()) {
-		promise(posts.count.x == 0 && posts.steps.empty() && posts.floats.empty(), "a rejected file has no effect");
-		promise(describe(status).starts_with(status.property), "an error names the property");
+		require(posts.count.x == 0 && posts.steps.empty() && posts.floats.empty(), "a rejected file has no effect");
+		require(describe(status).starts_with(status.property), "an error names the property");
 		return;
 	}
 	const std::size_t count = static_cast<std::size_t>(posts.count.x) * static_cast<std::size_t>(posts.count.y);
-	promise(count >= 4 && posts.steps.size() + posts.floats.size() == count, "a file has all its posts");
+	require(count >= 4 && posts.steps.size() + posts.floats.size() == count, "a file has all its posts");
 }
 
 void read(const Stored &file, const RawLayout &layout) {

@@ -25,10 +25,10 @@ namespace thicket::fuzz {
 
 inline std::uint64_t current_seed = 0; ///< The seed of the current input, for failure messages.
 
-/// Aborts the program with a message if `held` is false.
-inline void promise(bool held, const char *what) {
-	if (!held) {
-		std::fprintf(stderr, "fuzz: broken promise: %s (again with: - %llu)\n", what,
+/// Aborts the program with a message if a requirement is not met.
+inline void require(bool is_met, const char *requirement) {
+	if (!is_met) {
+		std::fprintf(stderr, "fuzz: violated requirement: %s (again with: - %llu)\n", requirement,
 				static_cast<unsigned long long>(current_seed));
 		std::abort();
 	}
@@ -57,14 +57,14 @@ inline constexpr unsigned hang_seconds = 20;
 
 int main(int argument_count, char **arguments) {
 	using namespace thicket::fuzz;
-	const bool one = argument_count > 2 && std::strcmp(arguments[1], "-") == 0;
-	if (one) {
+	const bool single_input = argument_count > 2 && std::strcmp(arguments[1], "-") == 0;
+	if (single_input) {
 		run_one(std::strtoull(arguments[2], nullptr, 10));
 		return EXIT_SUCCESS;
 	}
 	const double seconds = argument_count > 1 ? std::atof(arguments[1]) : 10.0;
 	std::uint64_t seed = argument_count > 2 ? std::strtoull(arguments[2], nullptr, 10) : 1;
-	std::signal(SIGALRM, [](int) { promise(false, "an input does not hang"); });
+	std::signal(SIGALRM, [](int) { require(false, "an input does not hang"); });
 	const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
 	std::uint64_t runs = 0;
 	for (; std::chrono::steady_clock::now() < end; ++runs, ++seed) {

@@ -15,21 +15,21 @@ namespace {
 
 using namespace thicket;
 using fuzz::Bytes;
-using fuzz::promise;
+using fuzz::require;
 
 using Pixels = std::vector<std::uint8_t>;
 
 void check_refusal(const Status &status, const PaintedMask &mask, const PaintedMask &before) {
-	promise(mask == before, "a rejected call has no effect");
-	promise(describe(status).find(status.property) == 0, "an error names the property");
+	require(mask == before, "a rejected call has no effect");
+	require(describe(status).find(status.property) == 0, "an error names the property");
 }
 
 /// Checks that saved bytes load as an equal mask, which saves as the same bytes.
 void check_bytes(const PaintedMask &mask) {
 	const Pixels bytes = mask.to_bytes();
-	PaintedMask loaded;
-	promise(loaded.from_bytes(bytes).ok() && loaded == mask, "a loaded mask equals the saved one");
-	promise(loaded.to_bytes() == bytes, "equal masks have equal bytes");
+	PaintedMask loaded_mask;
+	require(loaded_mask.from_bytes(bytes).ok() && loaded_mask == mask, "a loaded mask equals the saved one");
+	require(loaded_mask.to_bytes() == bytes, "equal masks have equal bytes");
 }
 
 /// Loads a mask's bytes after damaging them at a few positions, with or without a valid checksum.
@@ -55,12 +55,12 @@ void load_damaged(const PaintedMask &mask, Bytes &r_bytes) {
 					static_cast<std::uint8_t>(hash.value() >> 8 * byte);
 		}
 	}
-	PaintedMask loaded = mask;
-	const Status status = loaded.from_bytes(bytes);
+	PaintedMask loaded_mask = mask;
+	const Status status = loaded_mask.from_bytes(bytes);
 	if (status.ok()) {
-		promise(loaded.to_bytes() == bytes, "loaded bytes are written back identically");
+		require(loaded_mask.to_bytes() == bytes, "loaded bytes are written back identically");
 	} else {
-		check_refusal(status, loaded, mask);
+		check_refusal(status, loaded_mask, mask);
 	}
 }
 
@@ -76,8 +76,8 @@ Brush read_brush(Bytes &r_bytes, double pixel_size) {
 
 std::vector<float> densities(const PaintedMask &mask, const std::vector<glm::dvec2> &positions) {
 	std::vector<float> result(positions.size());
-	promise(mask.sample(positions, result).ok(), "any position can be sampled");
-	promise(std::ranges::all_of(result, [](float density) { return density >= 0.0f && density <= 1.0f; }),
+	require(mask.sample(positions, result).ok(), "any position can be sampled");
+	require(std::ranges::all_of(result, [](float density) { return density >= 0.0f && density <= 1.0f; }),
 			"a density lies between 0 and 1");
 	return result;
 }
@@ -86,8 +86,8 @@ std::vector<float> densities(const PaintedMask &mask, const std::vector<glm::dve
 void dab(PaintedMask &r_mask, Bytes &r_bytes) {
 	const PaintedMask before = r_mask;
 	const Brush brush = read_brush(r_bytes, r_mask.pixel_size());
-	Rect changed;
-	const Status status = r_mask.paint(brush, changed);
+	Rect changed_rect;
+	const Status status = r_mask.paint(brush, changed_rect);
 	if (!status.ok()) {
 		check_refusal(status, r_mask, before);
 		return;
@@ -96,38 +96,40 @@ void dab(PaintedMask &r_mask, Bytes &r_bytes) {
 	for (int i = 0; i < 8; ++i) {
 		const glm::dvec2 near(r_bytes.number(-2.0, 2.0), r_bytes.number(-2.0, 2.0));
 		positions.push_back(brush.center + brush.radius * near);
-		positions.emplace_back(changed.max.x, changed.min.y + near.x * changed.size().y);
-		positions.emplace_back(changed.min.x + near.x * changed.size().x, changed.max.y);
+		positions.emplace_back(changed_rect.max.x, changed_rect.min.y + near.x * changed_rect.size().y);
+		positions.emplace_back(changed_rect.min.x + near.x * changed_rect.size().x, changed_rect.max.y);
 	}
-	const std::vector<float> was = densities(before, positions);
+	const std::vector<float> previous = densities(before, positions);
 	const std::vector<float> is = densities(r_mask, positions);
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		promise(changed.contains(positions[i]) || was[i] == is[i], "nothing changes outside of a dab's rectangle");
+		require(changed_rect.contains(positions[i]) || previous[i] == is[i],
+				"nothing changes outside of a dab's rectangle");
 	}
 	const PixelRect region = before.pixels_of({brush.center - brush.radius, brush.center + brush.radius});
 	Pixels pixels;
 	Rect undone;
-	PaintedMask back = r_mask;
+	PaintedMask restored = r_mask;
 	if (before.read(region, pixels).ok()) {
-		promise(back.write(region, pixels, undone).ok() && back == before, "writing back its pixels undoes a dab");
+		require(restored.write(region, pixels, undone).ok() && restored == before,
+				"writing back its pixels undoes a dab");
 	}
 }
 
 /// Reads and writes a random region, which may be invalid.
 void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
-	const auto near = [&] {
+	const auto near_coordinate = [&] {
 		return r_bytes.chance(24) ? r_bytes.raw<std::int32_t>() : static_cast<int>(r_bytes.below(300)) - 150;
 	};
 	PixelRect region;
-	region.min = {near(), 0};
-	region.min.y = near();
+	region.min = {near_coordinate(), 0};
+	region.min.y = near_coordinate();
 	region.max = region.min;
 	if (!r_bytes.chance(24)) { // These sums do not overflow.
 		region.max = glm::ivec2(std::min(region.min.x, 1 << 30), std::min(region.min.y, 1 << 30)) +
 				static_cast<int>(r_bytes.below(90)) - 2;
 	} else {
-		region.max.x = near();
-		region.max.y = near();
+		region.max.x = near_coordinate();
+		region.max.y = near_coordinate();
 	}
 	Pixels pixels;
 	const PaintedMask before = r_mask;
@@ -138,15 +140,15 @@ void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
 	if (pixels.size() > 1 << 16) {
 		return; // Valid, but too slow.
 	}
-	Rect changed;
-	promise(r_mask.write(region, pixels, changed).ok() && changed.empty() && r_mask == before,
+	Rect changed_rect;
+	require(r_mask.write(region, pixels, changed_rect).ok() && changed_rect.empty() && r_mask == before,
 			"writing back the same pixels has no effect");
 	if (r_bytes.chance(2)) {
 		std::ranges::fill(pixels, r_bytes.raw<std::uint8_t>());
-		promise(r_mask.write(region, pixels, changed).ok(), "a region that can be read can be written");
+		require(r_mask.write(region, pixels, changed_rect).ok(), "a region that can be read can be written");
 	} else {
 		pixels.push_back(0);
-		promise(r_mask.write(region, pixels, changed).code == ErrorCode::wrong_size, "an extra byte is rejected");
+		require(r_mask.write(region, pixels, changed_rect).code == ErrorCode::wrong_size, "an extra byte is rejected");
 	}
 }
 
@@ -155,7 +157,7 @@ void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
 	PaintedMask raw;
 	if (raw.from_bytes({data, size}).ok()) {
-		promise(raw.to_bytes() == Pixels(data, data + size), "loaded bytes are written back identically");
+		require(raw.to_bytes() == Pixels(data, data + size), "loaded bytes are written back identically");
 	}
 	Bytes bytes(data, size);
 	PaintedMask mask;

@@ -1,5 +1,5 @@
 // Samples random point sets and rectangles. The sampler must either reject a call or return points
-// that keep its promises.
+// with all guaranteed properties.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 using namespace thicket;
 using fuzz::Bytes;
-using fuzz::promise;
+using fuzz::require;
 
 PointSet read_set(Bytes &r_bytes) {
 	PointSet set;
@@ -43,25 +43,25 @@ Rect read_rect(Bytes &r_bytes, double radius) {
 void check_points(const PointSet &set, const Rect &rect, const std::vector<SamplePoint> &points) {
 	std::map<std::pair<int, int>, glm::i64vec2> cells;
 	for (const SamplePoint &point : points) {
-		promise(rect.contains(point.position), "a point lies in its rectangle");
-		promise(point.level < set.levels, "a point has one of the levels of its set");
-		promise((point.rank < level_rank_end(set.levels, point.level)), "a rank belongs to its level");
+		require(rect.contains(point.position), "a point lies in its rectangle");
+		require(point.level < set.levels, "a point has one of the levels of its set");
+		require((point.rank < level_rank_end(set.levels, point.level)), "a rank belongs to its level");
 		const InstanceId id = unpack(point.id);
-		promise(id.layer == set.layer, "an ID contains the layer");
+		require(id.layer == set.layer, "an ID contains the layer");
 		const glm::i64vec2 lattice = lattice_position(set, point);
-		promise(lattice.x >> lattice_bits == id.cell.x && lattice.y >> lattice_bits == id.cell.y,
+		require(lattice.x >> lattice_bits == id.cell.x && lattice.y >> lattice_bits == id.cell.y,
 				"an ID contains the cell");
 		for (int y = -2; y <= 2; ++y) {
 			for (int x = -2; x <= 2; ++x) {
-				const auto near = cells.find({id.cell.x + x, id.cell.y + y});
-				if (near != cells.end()) {
-					const glm::i64vec2 offset = near->second - lattice;
-					promise(offset.x * offset.x + offset.y * offset.y >= std::int64_t{2} << (2 * lattice_bits),
+				const auto neighbor = cells.find({id.cell.x + x, id.cell.y + y});
+				if (neighbor != cells.end()) {
+					const glm::i64vec2 offset = neighbor->second - lattice;
+					require(offset.x * offset.x + offset.y * offset.y >= std::int64_t{2} << (2 * lattice_bits),
 							"points keep the minimum distance");
 				}
 			}
 		}
-		promise(cells.emplace(std::pair(id.cell.x, id.cell.y), lattice).second, "a cell contains at most one point");
+		require(cells.emplace(std::pair(id.cell.x, id.cell.y), lattice).second, "a cell contains at most one point");
 	}
 }
 
@@ -74,21 +74,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	const Rect rect = read_rect(bytes, set.radius);
 
 	// Large requests are valid, but slow, so they are canceled immediately.
-	const std::atomic<bool> raised{true};
+	const std::atomic<bool> cancel{true};
 	const double expected = rect.size().x * rect.size().y * point_density(set);
 	const bool small = expected < 3000.0 && std::max(rect.size().x, rect.size().y) < 1000.0 * set.radius;
 	std::vector<SamplePoint> points(1, SamplePoint{glm::dvec2(0.5), 77, 1, 0});
 	const std::vector<SamplePoint> before = points;
-	const Status status = sampler.sample(set, rect, points, {.cancel = small ? nullptr : &raised, .report = {}});
+	const Status status = sampler.sample(set, rect, points, {.cancel = small ? nullptr : &cancel, .report = {}});
 	if (status.ok()) {
-		promise(!rect.empty() || points.empty(), "an empty rectangle has no points");
+		require(!rect.empty() || points.empty(), "an empty rectangle has no points");
 		check_points(set, rect, points);
-		std::vector<SamplePoint> again;
-		promise(TileSampler().sample(set, rect, again).ok() && again == points,
+		std::vector<SamplePoint> repeated;
+		require(TileSampler().sample(set, rect, repeated).ok() && repeated == points,
 				"the same call returns the same points");
 	} else if (status.code != ErrorCode::cancelled) {
-		promise(points == before, "a rejected call has no effect");
-		promise(describe(status).find(status.property) == 0, "an error names the property");
+		require(points == before, "a rejected call has no effect");
+		require(describe(status).find(status.property) == 0, "an error names the property");
 	}
 	return 0;
 }

@@ -61,10 +61,10 @@ Shape read_shape(Bytes &r_bytes) {
 }
 
 double density_of(const ShapeSet &set, glm::dvec3 position) {
-	std::vector<std::uint32_t> near;
+	std::vector<std::uint32_t> near_shapes;
 	const glm::dvec2 flat(position.x, position.z);
-	static_cast<void>(set.find_nearby({flat, flat}, near));
-	return set.density(near, position);
+	static_cast<void>(set.find_nearby({flat, flat}, near_shapes));
+	return set.density(near_shapes, position);
 }
 
 void check_shapes(Bytes &r_bytes) {
@@ -72,20 +72,21 @@ void check_shapes(Bytes &r_bytes) {
 	for (std::uint32_t count = r_bytes.below(5); count > 0; --count) {
 		Shape shape = read_shape(r_bytes);
 		const bool sound = validate(shape).ok();
-		promise(ShapeSet().set({shape}).ok() == sound, "a set accepts exactly the valid shapes");
+		require(ShapeSet().set({shape}).ok() == sound, "a set accepts exactly the valid shapes");
 		if (sound) {
-			const Rect reach = bounds(shape);
-			promise(reach.finite() && reach.min.x <= reach.max.x && reach.min.y <= reach.max.y,
+			const Rect shape_bounds = bounds(shape);
+			require(shape_bounds.finite() && shape_bounds.min.x <= shape_bounds.max.x &&
+							shape_bounds.min.y <= shape_bounds.max.y,
 					"bounds are a rectangle");
 			shapes.push_back(shape);
 		}
 	}
 	ShapeSet set;
-	promise(set.set(shapes).ok(), "valid shapes are accepted");
+	require(set.set(shapes).ok(), "valid shapes are accepted");
 	const Rect all{{-1e12, -1e12}, {1e12, 1e12}};
 	std::vector<std::uint32_t> every;
 	static_cast<void>(set.find_nearby(all, every));
-	promise(every.size() == shapes.size(), "all shapes are near everywhere");
+	require(every.size() == shapes.size(), "all shapes are near everywhere");
 	for (int i = 0; i < 20; ++i) {
 		glm::dvec3 position = read_vector(r_bytes);
 		if (!shapes.empty() && r_bytes.chance(3)) {
@@ -94,14 +95,14 @@ void check_shapes(Bytes &r_bytes) {
 											 : glm::dvec3(shape.outline[0].x, position.y, shape.outline[0].y);
 		}
 		const double density = density_of(set, position);
-		promise(density >= 0.0 && density <= 1.0, "a density is between 0 and 1");
-		promise(density == set.density(every, position), "shapes that are not near have no effect");
+		require(density >= 0.0 && density <= 1.0, "a density is between 0 and 1");
+		require(density == set.density(every, position), "shapes that are not near have no effect");
 		for (Shape shape : shapes) {
 			shape.exclude = false;
 			ShapeSet alone;
-			promise(alone.set({shape}).ok(), "a valid shape is accepted alone");
-			promise(alone.density({}, position) == 0.0, "an including shape that is not near includes nothing");
-			promise(density_of(alone, position) == 0.0 || bounds(shape).contains({position.x, position.z}),
+			require(alone.set({shape}).ok(), "a valid shape is accepted alone");
+			require(alone.density({}, position) == 0.0, "an including shape that is not near includes nothing");
+			require(density_of(alone, position) == 0.0 || bounds(shape).contains({position.x, position.z}),
 					"outside of its bounds a shape has no influence");
 		}
 	}
@@ -130,18 +131,18 @@ void check_triangles(Bytes &r_bytes) {
 	}
 	for (int i = 0; i < 20; ++i) {
 		const glm::dvec3 position = read_vector(r_bytes);
-		promise(sound_ground(terrain.at({position.x, position.z}), lowest, highest), "ground lies between the corners");
+		require(sound_ground(terrain.at({position.x, position.z}), lowest, highest), "ground lies between the corners");
 	}
 	for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
 		TriangleTerrain alone;
-		promise(alone.set(std::span(corners).subspan(i, 3)).ok(), "a triangle of a valid mesh is valid");
+		require(alone.set(std::span(corners).subspan(i, 3)).ok(), "a triangle of a valid mesh is valid");
 		if (alone.area().empty()) {
 			continue;
 		}
 		for (std::size_t corner = i; corner < i + 3; ++corner) {
 			const glm::dvec2 position(corners[corner].x, corners[corner].z);
 			const float height = terrain.at(position).height;
-			promise(height >= alone.at(position).height, "a corner has ground, and adding triangles never lowers it");
+			require(height >= alone.at(position).height, "a corner has ground, and adding triangles never lowers it");
 		}
 	}
 }

@@ -1,5 +1,5 @@
 // Loads random bytes as a state or a diff, and makes random changes to a state. Each must either be
-// refused or leave a consistent state within the limits.
+// rejected or leave a consistent state within the limits.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -18,29 +18,29 @@ namespace {
 
 using namespace thicket;
 using fuzz::Bytes;
-using fuzz::promise;
+using fuzz::require;
 
 using Stored = std::vector<std::uint8_t>;
 using Changes = std::vector<InstanceChange>;
 
 Stored saved(const InstanceState &state) {
 	Stored bytes;
-	promise(state.save(bytes).ok(), "a state is saved");
+	require(state.save(bytes).ok(), "a state is saved");
 	return bytes;
 }
 
 Stored diff(const InstanceState &state, std::uint64_t revision) {
 	Stored bytes;
-	promise(state.diff_since(revision, bytes).ok(), "a diff can be written");
+	require(state.diff_since(revision, bytes).ok(), "a diff can be written");
 	return bytes;
 }
 
 InstanceState copy_of(const InstanceState &state) {
 	InstanceState copy;
 	Changes changes;
-	promise(copy.load(saved(state), changes).ok() && saved(copy) == saved(state),
+	require(copy.load(saved(state), changes).ok() && saved(copy) == saved(state),
 			"a loaded state equals the saved one");
-	promise(changes.size() >= state.removed_count() + state.added_count(), "loading reports every instance");
+	require(changes.size() >= state.removed_count() + state.added_count(), "loading reports every instance");
 	return copy;
 }
 
@@ -53,11 +53,11 @@ std::uint64_t read_id(Bytes &r_bytes, const InstanceState &state) {
 	if (!added.empty() && r_bytes.chance(3)) {
 		return added[r_bytes.below(static_cast<std::uint32_t>(added.size()))];
 	}
-	const auto near = [&r_bytes] {
+	const auto near_coordinate = [&r_bytes] {
 		return static_cast<int>(r_bytes.below(8)) - 4;
 	};
-	InstanceId id{static_cast<std::uint16_t>(r_bytes.chance(4) ? max_state_layer : 1), {near(), 0}};
-	id.cell.y = near();
+	InstanceId id{static_cast<std::uint16_t>(r_bytes.chance(4) ? max_state_layer : 1), {near_coordinate(), 0}};
+	id.cell.y = near_coordinate();
 	return pack(id);
 }
 
@@ -74,12 +74,12 @@ AddedInstance read_instance(Bytes &r_bytes) {
 
 void check_placed(const InstanceState &state, std::uint64_t id) {
 	const AddedInstance *added = state.added(id);
-	promise(added != nullptr && is_added(id) && layer_of(id) == added->layer, "a placed instance exists");
+	require(added != nullptr && is_added(id) && layer_of(id) == added->layer, "a placed instance exists");
 	const glm::dvec2 position(added->position.x, added->position.z);
-	std::vector<std::uint64_t> found;
-	promise(state.added_in(added->layer, {position - 1.0, position + 1.0}, found).ok(),
+	std::vector<std::uint64_t> results;
+	require(state.added_in(added->layer, {position - 1.0, position + 1.0}, results).ok(),
 			"instances in an area can be listed");
-	promise(std::ranges::is_sorted(found) && std::ranges::binary_search(found, id),
+	require(std::ranges::is_sorted(results) && std::ranges::binary_search(results, id),
 			"an instance is found at its position");
 }
 
@@ -88,32 +88,33 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 	const std::uint64_t id = read_id(r_bytes, r_state);
 	switch (r_bytes.below(6)) {
 		case 0: {
-			const bool was = is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id);
-			promise(r_state.remove(id, r_bytes.number(0.0, 50.0)) != was, "the first removal of an instance succeeds");
-			promise(is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id),
+			const bool was_removed = is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id);
+			require(r_state.remove(id, r_bytes.number(0.0, 50.0)) != was_removed,
+					"the first removal of an instance succeeds");
+			require(is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id),
 					"a removed instance stays removed");
 			break;
 		}
 		case 1: {
-			const bool was = r_state.removed(id);
-			promise(r_state.restore(id) == was && !r_state.removed(id), "a restored instance is not removed");
+			const bool was_removed = r_state.removed(id);
+			require(r_state.restore(id) == was_removed && !r_state.removed(id), "a restored instance is not removed");
 			break;
 		}
 		case 2: {
-			std::uint64_t placed = 0;
-			const Status status = r_state.add(read_instance(r_bytes), placed);
+			std::uint64_t added_id = 0;
+			const Status status = r_state.add(read_instance(r_bytes), added_id);
 			if (status.ok()) {
-				check_placed(r_state, placed);
+				check_placed(r_state, added_id);
 			} else {
-				promise(r_state.revision() == revision, "a rejected instance has no effect");
-				promise(describe(status).find(status.property) == 0, "an error names the property");
+				require(r_state.revision() == revision, "a rejected instance has no effect");
+				require(describe(status).find(status.property) == 0, "an error names the property");
 			}
 			break;
 		}
 		case 3: {
 			const Stored data(r_bytes.chance(16) ? max_instance_data + r_bytes.below(2) : r_bytes.below(4), 7);
 			if (r_state.set_data(id, data).ok()) {
-				promise(std::ranges::equal(r_state.data(id), data), "the stored data are those that were set");
+				require(std::ranges::equal(r_state.data(id), data), "the stored data are those that were set");
 			}
 			break;
 		}
@@ -121,11 +122,11 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 		default: {
 			Changes changes;
 			const double time = r_state.time();
-			promise(r_state.advance(r_bytes.number(0.0, 20.0), changes).ok(), "the clock advances");
-			promise(r_state.time() >= time && r_state.time() <= max_state_time, "the clock never goes back");
+			require(r_state.advance(r_bytes.number(0.0, 20.0), changes).ok(), "the clock advances");
+			require(r_state.time() >= time && r_state.time() <= max_state_time, "the clock never goes back");
 		}
 	}
-	promise(r_state.revision() >= revision, "revisions rise");
+	require(r_state.revision() >= revision, "revisions rise");
 }
 
 /// Damages stored bytes at a few positions. In most cases, the checksum is valid afterward.
@@ -178,21 +179,21 @@ void feed_within(const InstanceState &state, const Stored &stored, const DiffLim
 		};
 		Changes changes;
 		DiffSummary summary;
-		const bool seen = fed.inspect(stored, summary, limits).ok();
+		const bool is_readable = fed.inspect(stored, summary, limits).ok();
 		if (!give(changes).ok()) {
-			promise(saved(fed) == saved(state) && changes.empty(), "a rejected diff has no effect");
+			require(saved(fed) == saved(state) && changes.empty(), "a rejected diff has no effect");
 			continue;
 		}
-		promise(seen && summary.changes <= limits.max_changes, "an accepted diff can be inspected");
-		promise(fed.added_count() <= std::max<std::size_t>(limits.max_added, state.added_count()),
+		require(is_readable && summary.changes <= limits.max_changes, "an accepted diff can be inspected");
+		require(fed.added_count() <= std::max<std::size_t>(limits.max_added, state.added_count()),
 				"instances are placed up to the limit");
-		promise(joining || summary.replaces_everything || fed.time() <= state.time() + limits.max_clock_advance,
+		require(joining || summary.replaces_everything || fed.time() <= state.time() + limits.max_clock_advance,
 				"the clock advances up to the limit");
 		const Stored after = saved(copy_of(fed));
 		const double time = fed.time();
 		changes.clear();
-		promise(give(changes).ok() && (changes.empty() || fed.time() > time), "a repeated diff has no effect");
-		promise(limits.max_clock_advance > 0.0 || saved(fed) == after, "a repeated diff leaves equal bytes");
+		require(give(changes).ok() && (changes.empty() || fed.time() > time), "a repeated diff has no effect");
+		require(limits.max_clock_advance > 0.0 || saved(fed) == after, "a repeated diff leaves equal bytes");
 	}
 }
 
@@ -203,22 +204,22 @@ void feed(const InstanceState &state, const Stored &stored) {
 	Changes changes;
 	StateHeader header;
 	if (fed.load(stored, changes).ok()) {
-		promise(read_header(stored, header).ok() && header.is_complete, "accepted bytes have a header");
+		require(read_header(stored, header).ok() && header.is_complete, "accepted bytes have a header");
 		const bool is_as_saved = header.format == state_format && header.origin.name == 0;
-		promise(!is_as_saved || saved(fed) == stored, "loaded bytes are written back identically");
+		require(!is_as_saved || saved(fed) == stored, "loaded bytes are written back identically");
 		copy_of(fed);
 	} else {
-		promise(saved(fed) == saved(state) && changes.empty(), "a rejected state has no effect");
+		require(saved(fed) == saved(state) && changes.empty(), "a rejected state has no effect");
 	}
 	fed = copy_of(state);
 	changes.clear();
 	if (fed.apply(stored, changes).ok()) {
 		const Stored after = saved(copy_of(fed));
 		changes.clear();
-		promise(fed.apply(stored, changes).ok() && changes.empty() && saved(fed) == after,
+		require(fed.apply(stored, changes).ok() && changes.empty() && saved(fed) == after,
 				"a repeated diff has no effect");
 	} else {
-		promise(saved(fed) == saved(state) && changes.empty(), "a rejected diff has no effect");
+		require(saved(fed) == saved(state) && changes.empty(), "a rejected diff has no effect");
 	}
 }
 
@@ -234,25 +235,25 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	}
 	InstanceState peer = copy_of(state);
 	state.set_origin(bytes.chance(2) ? 7 : 0);
-	const std::uint64_t known = state.revision();
+	const std::uint64_t known_revision = state.revision();
 	for (std::uint32_t step = bytes.below(20); step > 0; --step) {
 		change(state, bytes);
 	}
-	Stored some = diff(state, known);
+	Stored later_diff = diff(state, known_revision);
 	Changes changes;
-	Stored missing = state.origin() != 0 ? diff(state, 0) : some;
-	const Status status = peer.apply(some, changes);
-	promise(status.ok() || status.code == ErrorCode::out_of_order || status.code == ErrorCode::foreign,
+	Stored missing = state.origin() != 0 ? diff(state, 0) : later_diff;
+	const Status status = peer.apply(later_diff, changes);
+	require(status.ok() || status.code == ErrorCode::out_of_order || status.code == ErrorCode::foreign,
 			"a diff is accepted, or an earlier one is missing");
 	if (status.ok() || peer.apply(missing, changes).ok()) {
-		promise(peer.digest() == state.digest(), "a peer that receives the diff has the same content");
+		require(peer.digest() == state.digest(), "a peer that receives the diff has the same content");
 	}
 	const DiffLimits limits = read_limits(bytes);
 	Stored all = saved(state);
-	damage(bytes.chance(2) ? some : all, bytes);
-	feed(state, some);
+	damage(bytes.chance(2) ? later_diff : all, bytes);
+	feed(state, later_diff);
 	feed(state, all);
-	feed_within(peer, some, limits);
+	feed_within(peer, later_diff, limits);
 	feed_within(peer, all, limits);
 	return 0;
 }

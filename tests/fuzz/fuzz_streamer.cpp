@@ -15,7 +15,7 @@ namespace {
 
 using namespace thicket;
 using fuzz::Bytes;
-using fuzz::promise;
+using fuzz::require;
 
 using Key = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 
@@ -25,24 +25,25 @@ Key key_of(const TileKey &key) { return {key.layer, key.grid, key.tile.x, key.ti
 struct Expected {
 	std::vector<TileRequest> pending;
 	/// Tickets of results that came too late. Their cancellation may still be reported.
-	std::set<std::uint64_t> refused;
+	std::set<std::uint64_t> refused_tickets;
 	std::set<Key> visible;
 
 	void apply(const StreamChanges &changes) {
 		for (const TileRequest &cancelled : changes.cancel) {
 			const std::size_t before = pending.size();
-			std::erase_if(pending, [&](const TileRequest &one) { return one.ticket == cancelled.ticket; });
-			promise(pending.size() + 1 == before || refused.contains(cancelled.ticket),
+			std::erase_if(pending,
+					[&](const TileRequest &pending_request) { return pending_request.ticket == cancelled.ticket; });
+			require(pending.size() + 1 == before || refused_tickets.contains(cancelled.ticket),
 					"only pending requests are cancelled");
 		}
 		for (const TileKey &dropped : changes.drop) {
-			promise(visible.erase(key_of(dropped)) == 1, "only visible tiles are dropped");
+			require(visible.erase(key_of(dropped)) == 1, "only visible tiles are dropped");
 		}
 		for (const TileRequest &request : changes.request) {
 			for (const TileRequest &other : pending) {
-				promise(other.ticket != request.ticket && !(other.key == request.key), "nothing is requested twice");
+				require(other.ticket != request.ticket && !(other.key == request.key), "nothing is requested twice");
 			}
-			promise(!request.space.empty() && request.space.finite(), "a request has a rectangle");
+			require(!request.space.empty() && request.space.finite(), "a request has a rectangle");
 			pending.push_back(request);
 		}
 	}
@@ -66,13 +67,13 @@ void update(TileStreamer &streamer, Bytes &r_bytes, Expected &r_expected) {
 	StreamChanges changes;
 	const std::size_t max_count = r_bytes.below(20);
 	if (streamer.update(viewers, max_count, changes).ok()) {
-		promise(changes.request.size() <= max_count, "no more tiles are requested than the limit");
+		require(changes.request.size() <= max_count, "no more tiles are requested than the limit");
 		r_expected.apply(changes);
 		const StreamCounts counts = streamer.counts();
-		promise(counts.pending == r_expected.pending.size(), "pending tiles are counted");
-		promise(counts.visible == r_expected.visible.size(), "visible tiles are counted");
+		require(counts.pending == r_expected.pending.size(), "pending tiles are counted");
+		require(counts.visible == r_expected.visible.size(), "visible tiles are counted");
 	} else {
-		promise(changes.empty(), "a rejected update has no effect");
+		require(changes.empty(), "a rejected update has no effect");
 	}
 }
 
@@ -81,24 +82,24 @@ void answer(TileStreamer &streamer, Bytes &r_bytes, Expected &r_expected) {
 		return;
 	}
 	if (const auto next = streamer.next_ready()) {
-		promise(streamer.may_show(*next), "the next tile may be shown");
-		promise(std::ranges::any_of(
-						r_expected.pending, [&](const TileRequest &one) { return one.ticket == next->ticket; }),
+		require(streamer.may_show(*next), "the next tile may be shown");
+		require(std::ranges::any_of(r_expected.pending,
+						[&](const TileRequest &pending_request) { return pending_request.ticket == next->ticket; }),
 				"the next tile is pending");
 	}
-	const std::size_t which = r_bytes.below(static_cast<std::uint32_t>(r_expected.pending.size()));
-	const TileRequest request = r_expected.pending[which];
+	const std::size_t request_index = r_bytes.below(static_cast<std::uint32_t>(r_expected.pending.size()));
+	const TileRequest request = r_expected.pending[request_index];
 	if (r_bytes.chance(3)) {
 		(void)streamer.ready(request);
 		return;
 	}
-	r_expected.pending.erase(r_expected.pending.begin() + static_cast<std::ptrdiff_t>(which));
+	r_expected.pending.erase(r_expected.pending.begin() + static_cast<std::ptrdiff_t>(request_index));
 	if (streamer.finish(request)) {
 		r_expected.visible.insert(key_of(request.key));
 	} else {
-		r_expected.refused.insert(request.ticket);
+		r_expected.refused_tickets.insert(request.ticket);
 	}
-	promise(!streamer.finish(request), "a request is finished only once");
+	require(!streamer.finish(request), "a request is finished only once");
 }
 
 } // namespace

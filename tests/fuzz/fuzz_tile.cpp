@@ -16,14 +16,14 @@ namespace {
 
 using namespace thicket;
 using fuzz::Bytes;
-using fuzz::promise;
+using fuzz::require;
 
 /// Returns a field around the origin, in most cases of at most 40 x 40 posts. If the posts are
-/// refused, the field must remain flat.
+/// rejected, the field must remain flat.
 Heightfield read_field(Bytes &r_bytes) {
 	Heightfield field;
 	const std::vector<std::uint16_t> flat(4, 1000);
-	promise(field.set({{2, 2}, {{-100.0, -100.0}, {100.0, 100.0}}, 0.0, 100.0}, flat).ok(),
+	require(field.set({{2, 2}, {{-100.0, -100.0}, {100.0, 100.0}}, 0.0, 100.0}, flat).ok(),
 			"a valid field is accepted");
 	HeightfieldFrame frame;
 	frame.posts = {static_cast<int>(r_bytes.below(42)) - 1, static_cast<int>(r_bytes.below(42)) - 1};
@@ -35,14 +35,14 @@ Heightfield read_field(Bytes &r_bytes) {
 	frame.min_height = r_bytes.number(-100.0, 500.0);
 	frame.max_height = r_bytes.number(0.0, 1000.0);
 	const auto product = static_cast<std::int64_t>(frame.posts.x) * frame.posts.y;
-	const std::size_t wanted = product > 0 && product < 2000 ? static_cast<std::size_t>(product) : 7;
-	std::vector<std::uint16_t> posts(r_bytes.chance(16) ? r_bytes.below(2000) : wanted);
+	const std::size_t pixel_count = product > 0 && product < 2000 ? static_cast<std::size_t>(product) : 7;
+	std::vector<std::uint16_t> posts(r_bytes.chance(16) ? r_bytes.below(2000) : pixel_count);
 	for (std::uint16_t &post : posts) {
 		post = r_bytes.raw<std::uint16_t>();
 	}
 	const HeightfieldFrame before = field.frame();
 	if (!field.set(frame, posts).ok()) {
-		promise(field.frame().posts == before.posts, "a rejected field has no effect");
+		require(field.frame().posts == before.posts, "a rejected field has no effect");
 	}
 	return field;
 }
@@ -55,19 +55,19 @@ void check_field(const Heightfield &field, Bytes &r_bytes) {
 	positions.push_back(field.frame().area.min);
 	positions.push_back(field.frame().area.max);
 	std::vector<Ground> ground(positions.size());
-	promise(field.sample(positions, ground).ok(), "positions without ground are no error");
+	require(field.sample(positions, ground).ok(), "positions without ground are no error");
 	const HeightfieldFrame &frame = field.frame();
 	const double slack = 1e-6 * (1.0 + std::abs(frame.min_height) + std::abs(frame.max_height));
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		if (std::isnan(ground[i].height)) {
-			promise(i < positions.size() - 2, "the corners of a field have ground");
+			require(i < positions.size() - 2, "the corners of a field have ground");
 			continue;
 		}
-		promise(ground[i].height >= frame.min_height - slack && ground[i].height <= frame.max_height + slack,
+		require(ground[i].height >= frame.min_height - slack && ground[i].height <= frame.max_height + slack,
 				"a height lies between the lowest and the highest");
 		const glm::vec3 normal = ground[i].normal;
 		const float length = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
-		promise(normal.y >= 0.0f && std::abs(length - 1.0f) < 1e-4f, "a normal points up and has a length of 1");
+		require(normal.y >= 0.0f && std::abs(length - 1.0f) < 1e-4f, "a normal points up and has a length of 1");
 	}
 }
 
@@ -171,22 +171,22 @@ LayerSettings read_layer(Bytes &r_bytes) {
 }
 
 void check_tile(const LayerSettings &layer, const TileInstances &tile) {
-	promise(tile.meshes.size() == std::max<std::size_t>(1, layer.mesh_weights.size()), "every mesh has its instances");
-	std::size_t placed = 0;
+	require(tile.meshes.size() == std::max<std::size_t>(1, layer.mesh_weights.size()), "every mesh has its instances");
+	std::size_t placed_count = 0;
 	for (const MeshInstances &mesh : tile.meshes) {
-		placed += mesh.size();
+		placed_count += mesh.size();
 		const std::size_t stride = floats_per_instance(layer.instance_data);
-		promise(mesh.buffer.size() == stride * mesh.size() && mesh.ranks.size() == mesh.size(),
+		require(mesh.buffer.size() == stride * mesh.size() && mesh.ranks.size() == mesh.size(),
 				"the sizes of buffers match");
-		promise(std::is_sorted(mesh.ranks.begin(), mesh.ranks.end()), "ranks ascend");
-		promise(std::all_of(mesh.buffer.begin(), mesh.buffer.end(), [](float value) { return std::isfinite(value); }),
+		require(std::is_sorted(mesh.ranks.begin(), mesh.ranks.end()), "ranks ascend");
+		require(std::all_of(mesh.buffer.begin(), mesh.buffer.end(), [](float value) { return std::isfinite(value); }),
 				"transforms are finite");
 		for (std::size_t i = 0; layer.instance_data.use_custom_data && i < mesh.size(); ++i) {
 			const float variation = mesh.buffer[(i + 1) * stride - 4];
-			promise(variation >= 0.0f && variation <= 1.0f, "a variation is between 0 and 1");
+			require(variation >= 0.0f && variation <= 1.0f, "a variation is between 0 and 1");
 		}
 	}
-	promise(placed == tile.counts.placed && tile.counts.placed <= tile.counts.dense &&
+	require(placed_count == tile.counts.placed && tile.counts.placed <= tile.counts.dense &&
 					tile.counts.dense <= tile.counts.sampled,
 			"counts add up");
 }
@@ -210,11 +210,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	const Status status = builder.build(layer, field, rect, tile, small ? nullptr : &cancel);
 	if (status.ok()) {
 		check_tile(layer, tile);
-		promise(TileBuilder().build(layer, field, rect, rebuilt).ok() && digest(tile) == digest(rebuilt),
+		require(TileBuilder().build(layer, field, rect, rebuilt).ok() && digest(tile) == digest(rebuilt),
 				"the same call produces the same tile");
 	} else if (status.code != ErrorCode::cancelled) {
-		promise(tile.meshes.empty(), "a rejected call has no effect");
-		promise(describe(status).find(status.property) == 0, "an error names the property");
+		require(tile.meshes.empty(), "a rejected call has no effect");
+		require(describe(status).find(status.property) == 0, "an error names the property");
 	}
 	return 0;
 }

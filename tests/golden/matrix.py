@@ -102,7 +102,7 @@ class Cell:
 
 def cells() -> list[Cell]:
     """Returns all cells of the matrix."""
-    found = []
+    matrix_cells = []
     for each in PLATFORMS:
         native = each.name == NATIVE
         # Without optimization, the program takes minutes even natively, which is too slow in qemu.
@@ -111,8 +111,8 @@ def cells() -> list[Cell]:
         for compiler in compilers:
             levels = ["-O0", "-O1", "-O2", "-O3", "-Os"] if native and compiler != "zig" else [lowest, "-O2", "-O3"]
             levels += ["-O3 fused"] if each.name == "x86_64" else []
-            found += [Cell(each, compiler, level) for level in levels]
-    return found
+            matrix_cells += [Cell(each, compiler, level) for level in levels]
+    return matrix_cells
 
 
 @dataclass
@@ -166,7 +166,7 @@ def flags_of(cell: Cell) -> list[str]:
 def core_sources() -> list[Path]:
     """Returns the sources to compile, as for a packed library. Most of them are files that each include several sources
     of the core. Some sources must be compiled alone."""
-    found = []
+    paths = []
     for room in ROOMS:
         for group in scu.groups(str(REPO), rooms.sources(str(REPO), f"core/{room}")):
             path = REPO / group[0] if len(group) == 1 else BUILT / "joined" / group[0].replace("/", "-")
@@ -175,8 +175,8 @@ def core_sources() -> list[Path]:
                 partial = path.with_suffix(f".{threading.get_ident()}")  # Several threads may write this file at the same time.
                 partial.write_text(scu.text_of(group), encoding="utf-8")
                 partial.replace(path)
-            found.append(path)
-    return found
+            paths.append(path)
+    return paths
 
 
 def sources(cell: Cell) -> list[Path]:
@@ -190,9 +190,9 @@ class Failed(Exception):
 
 def call(command: list[str]) -> None:
     environment = {**os.environ, **installed.zig_environment(str(ZIG))}
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace", cwd=REPO, env=environment, check=False)
-    if done.returncode != 0:
-        raise Failed(f"{' '.join(command)}\n{done.stderr[-4000:]}")
+    result = subprocess.run(command, capture_output=True, text=True, errors="replace", cwd=REPO, env=environment, check=False)
+    if result.returncode != 0:
+        raise Failed(f"{' '.join(command)}\n{result.stderr[-4000:]}")
 
 
 @cache
@@ -247,20 +247,20 @@ def program_of(cell: Cell, pool: ThreadPoolExecutor) -> Path:
 
 def outcome_of(cell: Cell, pool: ThreadPoolExecutor) -> Outcome:
     """Builds and runs a cell."""
-    why = absence(cell)
-    if why:
-        return Outcome(absent=why)
+    reason = absence(cell)
+    if reason:
+        return Outcome(absent=reason)
     try:
         program = program_of(cell, pool)
         runner = [] if cell.own else emulators.command(cell.platform.emulator, cell.platform.name, NATIVE)
-        done = subprocess.run(
+        result = subprocess.run(
             [*runner, program], capture_output=True, text=True, errors="replace", timeout=3600, env=emulators.environment(cell.platform.emulator), check=False
         )
     except (Failed, subprocess.TimeoutExpired) as failed:
         return Outcome(failure=str(failed))
-    if done.returncode != 0:
-        return Outcome(failure=f"{program} returned {done.returncode}\n{done.stdout[-1000:]}{done.stderr[-4000:]}")
-    return Outcome(json.loads(done.stdout), re.findall(r"golden: (\S+) computed", done.stderr))
+    if result.returncode != 0:
+        return Outcome(failure=f"{program} returned {result.returncode}\n{result.stdout[-1000:]}{result.stderr[-4000:]}")
+    return Outcome(json.loads(result.stdout), re.findall(r"golden: (\S+) computed", result.stderr))
 
 
 def table(outcomes: dict[Cell, Outcome]) -> str:

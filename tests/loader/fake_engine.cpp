@@ -17,8 +17,8 @@ bool is_double = false;
 /// std::string, which is never freed, or null if the text is empty.
 const std::string &text(GDExtensionConstTypePtr value) {
 	static const std::string empty;
-	const std::string *const held = *static_cast<const std::string *const *>(value);
-	return held != nullptr ? *held : empty;
+	const std::string *const stored = *static_cast<const std::string *const *>(value);
+	return stored != nullptr ? *stored : empty;
 }
 
 void set_text(void *r_value, const std::string &content) {
@@ -279,8 +279,8 @@ void unregister_class(GDExtensionClassLibraryPtr, GDExtensionConstStringNamePtr 
 	find_class(name).registered = false;
 }
 
-void print_error(const char *what, const char *, const char *, int32_t, GDExtensionBool) {
-	record().errors.emplace_back(what);
+void print_error(const char *message, const char *, const char *, int32_t, GDExtensionBool) {
+	record().errors.emplace_back(message);
 }
 
 /// Stands in for every method of the engine. The caller's result keeps its initial value.

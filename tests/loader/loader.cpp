@@ -26,51 +26,51 @@ void *find(void *library, const char *name) {
 	return reinterpret_cast<void *>(GetProcAddress(static_cast<HMODULE>(library), name));
 }
 bool close(void *library) { return FreeLibrary(static_cast<HMODULE>(library)) != 0; }
-std::string why() { return "error " + std::to_string(GetLastError()); }
+std::string last_error() { return "error " + std::to_string(GetLastError()); }
 #else
 void *open(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
 void *find(void *library, const char *name) { return dlsym(library, name); }
 bool close(void *library) { return dlclose(library) == 0; }
-std::string why() {
+std::string last_error() {
 	const char *const text = dlerror();
 	return text != nullptr ? text : "no reason given";
 }
 #endif
 
-int fail(const std::string &sentence) {
-	std::fprintf(stderr, "loader: %s\n", sentence.c_str());
+int fail(const std::string &message) {
+	std::fprintf(stderr, "loader: %s\n", message.c_str());
 	return 1;
 }
 
 /// Creates an instance of each class that is not abstract, and frees it.
 void make_one_of_each() {
-	for (const RegisteredClass &known : record().classes) {
-		if (known.info.is_abstract) {
+	for (const RegisteredClass &entry : record().classes) {
+		if (entry.info.is_abstract) {
 			continue;
 		}
-		void *const object = known.info.create_instance_func(known.info.class_userdata, false);
-		known.info.free_instance_func(known.info.class_userdata, instance_of(object));
+		void *const object = entry.info.create_instance_func(entry.info.class_userdata, false);
+		entry.info.free_instance_func(entry.info.class_userdata, instance_of(object));
 	}
 }
 
 void print() {
-	for (const RegisteredClass &known : record().classes) {
-		std::printf("class %s of %s\n", known.name.c_str(), known.parent.c_str());
-		for (const std::string &member : known.members) {
-			std::printf("%s: %s\n", known.name.c_str(), member.c_str());
+	for (const RegisteredClass &entry : record().classes) {
+		std::printf("class %s of %s\n", entry.name.c_str(), entry.parent.c_str());
+		for (const std::string &member : entry.members) {
+			std::printf("%s: %s\n", entry.name.c_str(), member.c_str());
 		}
 	}
 }
 
 int run(void *library) {
-	const auto enter = reinterpret_cast<GDExtensionInitializationFunction>(find(library, "thicket_library_init"));
-	if (enter == nullptr) {
-		return fail("it has no thicket_library_init: " + why());
+	const auto entry_point = reinterpret_cast<GDExtensionInitializationFunction>(find(library, "thicket_library_init"));
+	if (entry_point == nullptr) {
+		return fail("the library has no thicket_library_init: " + last_error());
 	}
 	GDExtensionInitialization steps{};
 	static int token = 0;
-	if (!enter(get_proc_address, &token, &steps)) {
-		return fail(record().errors.empty() ? "its entry point failed" : record().errors.front());
+	if (!entry_point(get_proc_address, &token, &steps)) {
+		return fail(record().errors.empty() ? "the entry point of the library failed" : record().errors.front());
 	}
 	const int first = steps.minimum_initialization_level;
 	for (int level = first; level < GDEXTENSION_INITIALIZATION_EDITOR; ++level) {
@@ -81,9 +81,9 @@ int run(void *library) {
 	for (int level = GDEXTENSION_INITIALIZATION_EDITOR - 1; level >= 0; --level) {
 		steps.deinitialize(steps.userdata, static_cast<GDExtensionInitializationLevel>(level));
 	}
-	for (const RegisteredClass &known : record().classes) {
-		if (known.registered) {
-			return fail(known.name + " is still registered");
+	for (const RegisteredClass &entry : record().classes) {
+		if (entry.registered) {
+			return fail(entry.name + " is still registered");
 		}
 	}
 	return record().errors.empty() ? 0 : fail(record().errors.front());
@@ -98,11 +98,11 @@ int main(int argc, char **argv) {
 	set_double_precision(argc > 2 && std::string(argv[2]) == "double");
 	void *const library = open(argv[1]);
 	if (library == nullptr) {
-		return fail(std::string(argv[1]) + " cannot be loaded: " + why());
+		return fail(std::string(argv[1]) + " cannot be loaded: " + last_error());
 	}
 	const int result = run(library);
 	if (!close(library)) {
-		return fail("it cannot be closed: " + why());
+		return fail("the library cannot be closed: " + last_error());
 	}
 	if (result == 0) {
 		std::printf("loaded and closed, %zu classes, %zu functions of the engine\n", record().classes.size(),

@@ -106,8 +106,8 @@ def test_plots_of_a_run_exist(quick):
 def rendered(tmp_path_factory) -> Path:
     """Returns the folder with the page and its plots, rendered from the committed data."""
     folder = tmp_path_factory.mktemp("rendered")
-    done = run(["bash", BENCH / "figures.sh", "--render", "--out", folder], timeout=300)
-    assert done.returncode == 0 and "done" in done.stderr, done.stderr
+    result = run(["bash", BENCH / "figures.sh", "--render", "--out", folder], timeout=300)
+    assert result.returncode == 0 and "done" in result.stderr, result.stderr
     return folder
 
 
@@ -165,8 +165,8 @@ def test_a_part_can_be_measured_alone(quick, tmp_path, build_dir):
 
 @pytest.mark.parametrize("arguments", [["--fast"], ["--only", "nothing"], ["--out"], ["--programs"]])
 def test_wrong_options_are_rejected(arguments):
-    done = run(["bash", BENCH / "figures.sh", *arguments], timeout=60)
-    assert done.returncode == 2 and arguments[0] in done.stderr, done.stderr
+    result = run(["bash", BENCH / "figures.sh", *arguments], timeout=60)
+    assert result.returncode == 2 and arguments[0] in result.stderr, result.stderr
 
 
 @pytest.mark.parametrize(
@@ -183,8 +183,8 @@ def test_wrong_options_are_rejected(arguments):
     ],
 )
 def test_domain_run_rejects_bad_arguments(core_tool, words):
-    done = core_tool("bench/domain_run", *words)
-    assert done.returncode == 1 and done.stderr.startswith("domain_run: ") and not done.stdout, done.stderr
+    result = core_tool("bench/domain_run", *words)
+    assert result.returncode == 1 and result.stderr.startswith("domain_run: ") and not result.stdout, result.stderr
 
 
 def test_domain_run_dumps_the_counted_points(core_tool, tmp_path):
@@ -193,10 +193,10 @@ def test_domain_run_dumps_the_counted_points(core_tool, tmp_path):
     sets = {}
     for flags in ([], ["fill"]):
         dump = tmp_path / "sets"
-        done = core_tool(
+        result = core_tool(
             "bench/domain_run", "wavefront", "double", "2000", "7", "torus", "sets=2", f"dump={dump}", *flags
         )
-        lines = [json.loads(line) for line in done.stdout.splitlines()]
+        lines = [json.loads(line) for line in result.stdout.splitlines()]
         sets[len(flags)] = read_sets(dump)
         assert [len(points) for points in sets[len(flags)]] == [line["points"] for line in lines]
         assert all((points >= 0.0).all() and (points < lines[0]["size"]).all() for points in sets[len(flags)])

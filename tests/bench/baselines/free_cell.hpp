@@ -51,11 +51,11 @@ public:
 	/// Returns a uniform random point in the free part. The area must be above 0.
 	glm::dvec2 draw(Xoroshiro &random) const {
 		const double target = unit(random) * area_;
-		const auto reached = [target](const Piece &piece) {
-			return piece.area_up_to > target;
+		const auto reached = [target](const Piece &candidate) {
+			return candidate.area_up_to > target;
 		};
-		const auto found = std::find_if(pieces_.begin(), pieces_.end(), reached);
-		return (found != pieces_.end() ? *found : pieces_.back()).draw(random);
+		const auto match = std::find_if(pieces_.begin(), pieces_.end(), reached);
+		return (match != pieces_.end() ? *match : pieces_.back()).draw(random);
 	}
 
 	/// Returns a uniform random number in [0, 1).
@@ -63,9 +63,9 @@ public:
 
 private:
 	struct Piece {
-		glm::dvec2 foot;  ///< The position on the edge's line that is nearest to the site.
-		glm::dvec2 along; ///< The unit vector along the line, away from the foot.
-		double height;    ///< The distance from the site to the foot.
+		glm::dvec2 foot;      ///< The position on the edge's line that is nearest to the site.
+		glm::dvec2 direction; ///< The unit vector along the line, away from the foot.
+		double height;        ///< The distance from the site to the foot.
 		/// The distance from the foot to where the line leaves the disk; 0 if they do not
 		/// intersect.
 		double start;
@@ -90,13 +90,13 @@ private:
 		/// excess), increases along the line, and at least a third of the tries are accepted. Then
 		/// draws the position between the disk and the line by exact sampling.
 		glm::dvec2 draw(Xoroshiro &random) const {
-			const double most = excess(high) / (1.0 + excess(high));
+			const double max_weight = excess(high) / (1.0 + excess(high));
 			for (;;) {
 				const double offset = low + (high - low) * unit(random);
-				const double beyond = excess(offset);
-				if (unit(random) * most * (1.0 + beyond) < beyond) {
-					const double scale = std::sqrt((1.0 + unit(random) * beyond) / (1.0 + beyond));
-					return scale * (foot + (start + offset) * along);
+				const double excess_at_offset = excess(offset);
+				if (unit(random) * max_weight * (1.0 + excess_at_offset) < excess_at_offset) {
+					const double scale = std::sqrt((1.0 + unit(random) * excess_at_offset) / (1.0 + excess_at_offset));
+					return scale * (foot + (start + offset) * direction);
 				}
 			}
 		}
@@ -121,30 +121,30 @@ private:
 		return x * q * (1.0 / 3 - q * (1.0 / 5 - q * (1.0 / 7 - q * (1.0 / 9 - q * (1.0 / 11 - q / 13)))));
 	}
 
-	void add_edge(glm::dvec2 neighbor, glm::dvec2 from, glm::dvec2 to) {
+	void add_edge(glm::dvec2 neighbor, glm::dvec2 from, glm::dvec2 end) {
 		const double distance = std::sqrt(dot(neighbor, neighbor));
-		const glm::dvec2 along = glm::dvec2(-neighbor.y, neighbor.x) / distance;
-		add_piece(0.5 * neighbor, along, 0.5 * distance, dot(from, along), dot(to, along));
-		add_piece(0.5 * neighbor, -along, 0.5 * distance, -dot(to, along), -dot(from, along));
+		const glm::dvec2 direction = glm::dvec2(-neighbor.y, neighbor.x) / distance;
+		add_piece(0.5 * neighbor, direction, 0.5 * distance, dot(from, direction), dot(end, direction));
+		add_piece(0.5 * neighbor, -direction, 0.5 * distance, -dot(end, direction), -dot(from, direction));
 	}
 
 	/// Adds the piece of an edge from `from` to `to`, measured from the foot.
-	void add_piece(glm::dvec2 foot, glm::dvec2 along, double height, double from, double to) {
+	void add_piece(glm::dvec2 foot, glm::dvec2 direction, double height, double from, double end) {
 		const double above = height * height - 1.0;
 		const double start = std::sqrt(std::max(-above, 0.0));
-		Piece piece{.foot = foot,
-				.along = along,
+		Piece candidate{.foot = foot,
+				.direction = direction,
 				.height = height,
 				.start = start,
 				.above = std::max(above, 0.0),
 				.low = std::max(from - start, 0.0),
-				.high = to - start};
-		if (piece.high <= piece.low || piece.excess(piece.high) <= 2.0 * tolerance) {
+				.high = end - start};
+		if (candidate.high <= candidate.low || candidate.excess(candidate.high) <= 2.0 * tolerance) {
 			return;
 		}
-		area_ += std::max(piece.area_to(piece.high) - piece.area_to(piece.low), 0.0);
-		piece.area_up_to = area_;
-		pieces_.push_back(piece);
+		area_ += std::max(candidate.area_to(candidate.high) - candidate.area_to(candidate.low), 0.0);
+		candidate.area_up_to = area_;
+		pieces_.push_back(candidate);
 	}
 };
 

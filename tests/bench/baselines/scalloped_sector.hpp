@@ -28,8 +28,8 @@ struct Arc {
 	/// Returns the distance from the origin to the arc along the unit vector `ray`. If the ray
 	/// misses the circle, returns the distance to the closest point of the ray.
 	double at(glm::dvec2 ray) const {
-		const double across = cross(disk.center, ray);
-		return dot(disk.center, ray) + side * std::sqrt(std::max(disk.radius * disk.radius - across * across, 0.0));
+		const double offset = cross(disk.center, ray);
+		return dot(disk.center, ray) + side * std::sqrt(std::max(disk.radius * disk.radius - offset * offset, 0.0));
 	}
 
 	/// Returns the area between the arc from `a` to `b` and its chord, which is positive if the arc
@@ -113,8 +113,8 @@ struct ScallopedSector {
 	/// or `disk` must have radius 2.
 	bool misses(const Disk &disk) const {
 		const double squared = dot(disk.center, disk.center);
-		const double reach = std::max(far_from, far_to) + disk.radius;
-		if (squared >= reach * reach || cross(from, disk.center) <= -disk.radius ||
+		const double max_distance = std::max(far_from, far_to) + disk.radius;
+		if (squared >= max_distance * max_distance || cross(from, disk.center) <= -disk.radius ||
 				cross(to, disk.center) >= disk.radius) {
 			return true;
 		}

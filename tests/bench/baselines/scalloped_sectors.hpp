@@ -149,8 +149,8 @@ private:
 				weigh(neighbor.index);
 			}
 		}
-		for (const ScallopedSector &part : annulus_) {
-			add_sector(index, part);
+		for (const ScallopedSector &piece : annulus_) {
+			add_sector(index, piece);
 		}
 		// Near neighbors are cut first. They cover most of the annulus, so the remaining neighbors
 		// find few sectors or none.
@@ -161,10 +161,10 @@ private:
 
 	/// Removes the positions that are closer than 2 to earlier points from the sectors of `owner`.
 	/// Only neighbors whose squared distances are from `least` to `limit` are used.
-	void cut_neighbors(std::size_t owner, double least, double limit) {
+	void cut_neighbors(std::size_t owner, double min_distance, double limit) {
 		for (std::size_t i = 0; i < neighbor_count_ && first_[owner] != none; ++i) {
 			const Neighbor &neighbor = neighbors_[i];
-			if (neighbor.squared >= least && neighbor.squared < limit) {
+			if (neighbor.squared >= min_distance && neighbor.squared < limit) {
 				cut(owner, {neighbor.offset, 2.0});
 			}
 		}
@@ -179,8 +179,8 @@ private:
 			annulus[(i + annulus_parts - 1) % annulus_parts].to = annulus[i].from;
 			annulus[i].far.disk.radius = 2.0;
 		}
-		for (ScallopedSector &part : annulus) {
-			part.measure();
+		for (ScallopedSector &piece : annulus) {
+			piece.measure();
 		}
 		return annulus;
 	}

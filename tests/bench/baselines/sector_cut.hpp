@@ -39,12 +39,12 @@ public:
 		std::array<std::size_t, kinds> open{none, none, none};
 		bool touched = false;
 		for (std::size_t slice = 0; slice + 1 < ray_count_; ++slice) {
-			const std::array<bool, kinds> left = left_of_slice(sector, disk, slice);
-			touched |= !left[whole];
+			const std::array<bool, kinds> left_of_disk = left_of_slice(sector, disk, slice);
+			touched |= !left_of_disk[whole];
 			for (std::size_t kind = 0; kind < kinds; ++kind) {
-				if (left[kind] && open[kind] == none) {
+				if (left_of_disk[kind] && open[kind] == none) {
 					open[kind] = slice;
-				} else if (!left[kind] && open[kind] != none) {
+				} else if (!left_of_disk[kind] && open[kind] != none) {
 					emit(sector, disk, kind, open[kind], slice);
 					open[kind] = none;
 				}
@@ -76,10 +76,10 @@ private:
 		const double squared = dot(disk.center, disk.center);
 		const double tangent_squared = squared - disk.radius * disk.radius;
 		if (tangent_squared > 0.0) {
-			const glm::dvec2 along = std::sqrt(tangent_squared) * disk.center;
-			const glm::dvec2 across = disk.radius * glm::dvec2(-disk.center.y, disk.center.x);
-			add_ray(sector, along - across);
-			add_ray(sector, along + across);
+			const glm::dvec2 tangent_foot = std::sqrt(tangent_squared) * disk.center;
+			const glm::dvec2 normal_offset = disk.radius * glm::dvec2(-disk.center.y, disk.center.x);
+			add_ray(sector, tangent_foot - normal_offset);
+			add_ray(sector, tangent_foot + normal_offset);
 		}
 		add_crossings(sector, disk, sector.near.disk);
 		add_crossings(sector, disk, sector.far.disk);
@@ -88,15 +88,15 @@ private:
 
 	/// Adds the rays through the intersections of two circles.
 	void add_crossings(const ScallopedSector &sector, const Disk &disk, const Disk &other) {
-		const glm::dvec2 between = disk.center - other.center;
-		const double squared = dot(between, between);
+		const glm::dvec2 difference = disk.center - other.center;
+		const double squared = dot(difference, difference);
 		const double other_squared = other.radius * other.radius;
-		const double along = 0.5 * (squared + other_squared - disk.radius * disk.radius) / squared;
-		const double across_squared = other_squared / squared - along * along;
+		const double foot_fraction = 0.5 * (squared + other_squared - disk.radius * disk.radius) / squared;
+		const double across_squared = other_squared / squared - foot_fraction * foot_fraction;
 		if (across_squared > 0.0) { // The condition is also false for identical circles.
-			const glm::dvec2 across = std::sqrt(across_squared) * glm::dvec2(-between.y, between.x);
-			add_ray(sector, other.center + along * between - across);
-			add_ray(sector, other.center + along * between + across);
+			const glm::dvec2 normal_offset = std::sqrt(across_squared) * glm::dvec2(-difference.y, difference.x);
+			add_ray(sector, other.center + foot_fraction * difference - normal_offset);
+			add_ray(sector, other.center + foot_fraction * difference + normal_offset);
 		}
 	}
 
@@ -117,17 +117,17 @@ private:
 		const glm::dvec2 middle = normalized(rays_[slice] + rays_[slice + 1]);
 		const double near_at = sector.near.at(middle);
 		const double far_at = sector.far.at(middle);
-		const double across = cross(disk.center, middle);
-		const double half_squared = disk.radius * disk.radius - across * across;
+		const double center_across = cross(disk.center, middle);
+		const double half_squared = disk.radius * disk.radius - center_across * center_across;
 		if (half_squared <= 0.0) {
 			return {true, false, false};
 		}
 		const double half = std::sqrt(half_squared);
-		const double along = dot(disk.center, middle);
-		if (along - half >= far_at || along + half <= near_at) {
+		const double center_along = dot(disk.center, middle);
+		if (center_along - half >= far_at || center_along + half <= near_at) {
 			return {true, false, false};
 		}
-		return {false, along - half > near_at, along + half < far_at};
+		return {false, center_along - half > near_at, center_along + half < far_at};
 	}
 
 	/// Adds the part of this kind between two rays, unless it is so small that its area rounds to

@@ -44,12 +44,12 @@ public:
 	/// of `position`. This includes all points up to `reach` * `min_cell` away. `offset` is the
 	/// shortest vector from `position` to the point.
 	template <typename Visit>
-	void visit(glm::dvec2 position, int reach, const Visit &visit) const {
+	void visit(glm::dvec2 position, int cell_radius, const Visit &visit) const {
 		const int column = column_of(position.x);
 		const int row = column_of(position.y);
-		for (int y = row - reach; y <= row + reach; ++y) {
+		for (int y = row - cell_radius; y <= row + cell_radius; ++y) {
 			const std::size_t begin = row_of(wrap_column(y));
-			for (int x = column - reach; x <= column + reach; ++x) {
+			for (int x = column - cell_radius; x <= column + cell_radius; ++x) {
 				const Cell &cell = cells_[begin + static_cast<std::size_t>(wrap_column(x))];
 				for (std::uint32_t i = 0; i < cell.count; ++i) {
 					visit(cell.indices[i], offset(position, cell.points[i]));
@@ -93,8 +93,8 @@ private:
 										   : difference;
 	}
 
-	glm::dvec2 offset(glm::dvec2 from, glm::dvec2 to) const {
-		return {shortest(to.x - from.x), shortest(to.y - from.y)};
+	glm::dvec2 offset(glm::dvec2 from, glm::dvec2 target) const {
+		return {shortest(target.x - from.x), shortest(target.y - from.y)};
 	}
 
 	double wrap(double coordinate) const {

@@ -92,8 +92,8 @@ private:
 	/// Wraps a coordinate that is at most one side outside the torus.
 	double wrap(double coordinate) const {
 		const double wrapped = coordinate < 0.0 ? coordinate + side_ : coordinate;
-		const double inside = wrapped < side_ ? wrapped : wrapped - side_;
-		return inside < side_ ? inside : 0.0;
+		const double wrapped_once = wrapped < side_ ? wrapped : wrapped - side_;
+		return wrapped_once < side_ ? wrapped_once : 0.0;
 	}
 
 	/// Finds a point's neighbors and computes its cell. While there are few points, the
@@ -105,13 +105,13 @@ private:
 		const auto first = triangulation_->incident_faces(vertex);
 		auto face = first;
 		do {
-			const int here = face->index(vertex);
-			const int there = Triangulation::ccw(here);
-			const auto [from, from_copy] = triangulation_->periodic_point(face, here);
-			const auto [to, to_copy] = triangulation_->periodic_point(face, there);
+			const int vertex_index = face->index(vertex);
+			const int next_index = Triangulation::ccw(vertex_index);
+			const auto [from, from_copy] = triangulation_->periodic_point(face, vertex_index);
+			const auto [to, to_copy] = triangulation_->periodic_point(face, next_index);
 			around_.emplace_back(to.x() - from.x() + (to_copy.x() - from_copy.x()) * side_,
 					to.y() - from.y() + (to_copy.y() - from_copy.y()) * side_);
-			neighbors_.push_back(triangulation_->get_original_vertex(face->vertex(there)));
+			neighbors_.push_back(triangulation_->get_original_vertex(face->vertex(next_index)));
 		} while (++face != first);
 		cell_.assign(around_);
 	}
@@ -131,8 +131,8 @@ private:
 
 	/// Adds a point in or near the triangle `near`, and updates its cell and those of its
 	/// neighbors. No other cells change.
-	void add(glm::dvec2 point, Triangulation::Face_handle near, std::vector<glm::dvec2> &r_points) {
-		const Vertex vertex = triangulation_->insert({point.x, point.y}, near);
+	void add(glm::dvec2 point, Triangulation::Face_handle hint, std::vector<glm::dvec2> &r_points) {
+		const Vertex vertex = triangulation_->insert({point.x, point.y}, hint);
 		vertex->info() = static_cast<std::uint32_t>(r_points.size());
 		vertices_.push_back(vertex);
 		r_points.push_back(point);

@@ -56,14 +56,14 @@ public:
 		for (const glm::ivec2 point : tile.entered()) {
 			lattice_.emplace_back(point + tile.origin());
 		}
-		Digest again;
+		Digest repeated;
 		for (const SamplePoint &point : around_) {
 			glm::ivec2 lattice;
 			if (!lattice_of(point, lattice)) {
 				continue;
 			}
 			if (cells.contains({lattice.x >> lattice_bits, lattice.y >> lattice_bits})) {
-				again.add(point, lattice);
+				repeated.add(point, lattice);
 			} else {
 				lattice_.emplace_back(lattice);
 			}
@@ -72,7 +72,7 @@ public:
 				analysis::LatticeCheck::run(lattice_, lattice_bits, {cells.min, cells.max});
 		++r_found.tiles;
 		r_found.uncovered += report.uncovered;
-		r_found.changed += again == digest ? 0 : 1;
+		r_found.changed += repeated == digest ? 0 : 1;
 		return {};
 	}
 

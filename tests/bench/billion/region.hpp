@@ -120,11 +120,11 @@ public:
 		glm::uvec2 tile_position(slot % per_side_, slot / per_side_);
 		if (order_ == TileOrder::shuffled) {
 			const std::uint64_t band = slot >> (2 * half_bits_);
-			const std::uint32_t inside = permuted(slot & ((std::uint64_t{1} << (2 * half_bits_)) - 1), band);
-			if (inside >= band_rows * per_side_) {
+			const std::uint32_t slot_in_square = permuted(slot & ((std::uint64_t{1} << (2 * half_bits_)) - 1), band);
+			if (slot_in_square >= band_rows * per_side_) {
 				return std::nullopt;
 			}
-			tile_position = {inside % per_side_, band * band_rows + inside / per_side_};
+			tile_position = {slot_in_square % per_side_, band * band_rows + slot_in_square / per_side_};
 		} else if (order_ == TileOrder::hilbert) {
 			tile_position = on_curve(slot);
 		}
@@ -145,10 +145,10 @@ private:
 
 	/// Applies a Feistel network of four rounds, which is a bijection of numbers of 2 * half_bits_
 	/// bits.
-	std::uint32_t permuted(std::uint64_t number, std::uint64_t band) const {
+	std::uint32_t permuted(std::uint64_t index, std::uint64_t band) const {
 		const std::uint64_t mask = (std::uint64_t{1} << half_bits_) - 1;
-		std::uint64_t left = number >> half_bits_;
-		std::uint64_t right = number & mask;
+		std::uint64_t left = index >> half_bits_;
+		std::uint64_t right = index & mask;
 		for (std::uint64_t round = 0; round < 4; ++round) {
 			const std::uint64_t bits = split_mix(key_ + split_mix(4 * band + round) + right * split_mix_gamma);
 			left ^= bits >> 32 & mask;

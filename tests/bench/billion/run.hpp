@@ -123,9 +123,9 @@ private:
 	std::vector<std::uint64_t> block_points_;
 
 	static double thread_seconds() {
-		std::timespec now{};
-		clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-		return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+		std::timespec time{};
+		clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+		return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 	}
 
 	void work() {
@@ -171,8 +171,8 @@ private:
 			seams_.finish(tile_position, {});
 			return {};
 		}
-		const Findings found = r_worker.check.take(cells, options_.set().layer, r_worker.points);
-		r_worker.found += found;
+		const Findings findings = r_worker.check.take(cells, options_.set().layer, r_worker.points);
+		r_worker.found += findings;
 		for (const auto &rim : seams_.finish(tile_position, r_worker.check.rim())) {
 			r_worker.check.compare_with(*rim, r_worker.found);
 		}
@@ -181,7 +181,7 @@ private:
 		if (!is_drawn(region_.index_of(tile_position), options_.seed, options_.gaps)) {
 			return {};
 		}
-		const Status status = r_worker.gap_check.take(r_worker.check, found.digest, r_worker.source, r_worker.gaps);
+		const Status status = r_worker.gap_check.take(r_worker.check, findings.digest, r_worker.source, r_worker.gaps);
 		r_worker.spent.gaps += thread_seconds() - checked;
 		return status;
 	}
@@ -210,8 +210,8 @@ private:
 		outcome_.coverage = sum / blocks;
 		double squares = 0.0;
 		for (const std::uint64_t points : block_points_) {
-			const double off = Region::coverage(static_cast<double>(points), cells) - outcome_.coverage;
-			squares += off * off;
+			const double error = Region::coverage(static_cast<double>(points), cells) - outcome_.coverage;
+			squares += error * error;
 		}
 		outcome_.coverage_error = std::sqrt(squares / (blocks - 1.0) / blocks);
 	}

@@ -31,11 +31,11 @@ public:
 	/// the repetition is counted and the result is empty.
 	std::vector<std::shared_ptr<const Rim>> finish(glm::ivec2 tile_position, Rim &&rim) {
 		auto shared = std::make_shared<const Rim>(std::move(rim));
-		std::vector<std::shared_ptr<const Rim>> earlier;
+		std::vector<std::shared_ptr<const Rim>> earlier_rims;
 		const std::lock_guard lock(mutex_);
 		if (done_[region_.index_of(tile_position)]) {
 			++repeated_;
-			return earlier;
+			return earlier_rims;
 		}
 		done_[region_.index_of(tile_position)] = true;
 		++finished_;
@@ -46,16 +46,16 @@ public:
 				continue;
 			}
 			++neighbors;
-			const auto found = kept_.find(region_.index_of(neighbor));
-			if (found != kept_.end()) {
-				earlier.push_back(found->second.rim);
-				if (--found->second.missing == 0) {
-					drop(found);
+			const auto entry = kept_.find(region_.index_of(neighbor));
+			if (entry != kept_.end()) {
+				earlier_rims.push_back(entry->second.rim);
+				if (--entry->second.missing == 0) {
+					drop(entry);
 				}
 			}
 		}
-		keep(tile_position, std::move(shared), neighbors - static_cast<std::uint32_t>(earlier.size()));
-		return earlier;
+		keep(tile_position, std::move(shared), neighbors - static_cast<std::uint32_t>(earlier_rims.size()));
+		return earlier_rims;
 	}
 
 	/// Returns the number of finished tiles, each counted once.

@@ -74,9 +74,9 @@ private:
 	bool grow(glm::vec2 parent, Xoroshiro &random, std::vector<glm::vec2> &r_points) {
 		for (int attempt = 0; attempt < attempts; ++attempt) {
 			const glm::vec2 candidate = parent + annulus(random);
-			const bool inside =
+			const bool is_inside =
 					candidate.x >= 0.0f && candidate.y >= 0.0f && candidate.x < size_.x && candidate.y < size_.y;
-			if (inside && free(candidate)) {
+			if (is_inside && free(candidate)) {
 				insert(candidate, r_points);
 				return true;
 			}

@@ -73,9 +73,9 @@ private:
 			const float radius = std::sqrt(1.0f + 3.0f * unit(random));
 			const float angle = 6.28318531f * unit(random);
 			const glm::vec2 candidate = parent + radius * glm::vec2(std::cos(angle), std::sin(angle));
-			const bool inside =
+			const bool is_inside =
 					candidate.x >= 0.0f && candidate.y >= 0.0f && candidate.x < size_.x && candidate.y < size_.y;
-			if (inside && free(candidate, r_points)) {
+			if (is_inside && free(candidate, r_points)) {
 				insert(candidate, r_points);
 				return true;
 			}

@@ -13,9 +13,9 @@ namespace thicket::bench {
 /// on the machine. These still affect caches and clock speed, so contenders take turns within
 /// rounds.
 inline double cpu_seconds() {
-	std::timespec now{};
-	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-	return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+	std::timespec time{};
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+	return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 /// The measurements of one quantity, one per round.
@@ -63,15 +63,15 @@ double rate(double seconds, Batch &&batch) {
 
 /// Prints one row of the table in docs/benchmarks.md: name, median, lowest and highest round, and number of
 /// rounds.
-inline void print_row(const std::string &what, const Series &series, double scale, const char *unit, int digits = 2) {
-	std::printf("| %s | %.*f%s | %.*f to %.*f | %zu |\n", what.c_str(), digits, scale * series.median(), unit, digits,
+inline void print_row(const std::string &label, const Series &series, double scale, const char *unit, int digits = 2) {
+	std::printf("| %s | %.*f%s | %.*f to %.*f | %zu |\n", label.c_str(), digits, scale * series.median(), unit, digits,
 			scale * series.quantile(0.0), digits, scale * series.quantile(1.0), series.rounds());
 	std::fflush(stdout);
 }
 
 /// Prints a row for a figure that is counted, not timed.
-inline void print_count(const std::string &what, double value, const char *unit, int digits = 2) {
-	std::printf("| %s | %.*f%s | exact | 1 |\n", what.c_str(), digits, value, unit);
+inline void print_count(const std::string &label, double value, const char *unit, int digits = 2) {
+	std::printf("| %s | %.*f%s | exact | 1 |\n", label.c_str(), digits, value, unit);
 	std::fflush(stdout);
 }
 

@@ -96,25 +96,25 @@ def render(out: Path, table: page.Tables, facts: dict[str, tables.Row], arrays: 
 
 
 def main() -> None:
-    given = arguments()
-    out = given.out.resolve()
-    if given.render:
-        render(out, *data.read(DATA), {})
+    options = arguments()
+    output = options.out.resolve()
+    if options.render:
+        render(output, *data.read(DATA), {})
         return
-    if not given.redraw:
-        measure(given, out)
-    facts = read_facts(out)
+    if not options.redraw:
+        measure(options, output)
+    facts = read_facts(output)
     missing = [name for name in PARTS if name not in facts]
-    table = data.compact({Path(name).stem: tables.read(out / name) for name in TABLES})
-    arrays = dict(np.load(out / ARRAYS)) if "sets" in facts else {}
+    table = data.compact({Path(name).stem: tables.read(output / name) for name in TABLES})
+    arrays = dict(np.load(output / ARRAYS)) if "sets" in facts else {}
     if missing:
-        say(f"not measured in {out}, and taken from tests/bench/data: {', '.join(missing)}")
+        say(f"not measured in {output}, and taken from tests/bench/data: {', '.join(missing)}")
         committed, committed_facts = data.read(DATA)
-        own = {Path(name).stem for part in facts for name in PARTS[part].tables}
-        table = committed | {name: rows for name, rows in table.items() if name in own or name.partition("_")[0] in own}
+        own_tables = {Path(name).stem for part in facts for name in PARTS[part].tables}
+        table = committed | {name: rows for name, rows in table.items() if name in own_tables or name.partition("_")[0] in own_tables}
         facts = {name: facts.get(name) or committed_facts[name] | {"committed": True} for name in PARTS}
-    render(out, table, facts, arrays)
-    if not missing and not any(one["quick"] for one in facts.values()):
+    render(output, table, facts, arrays)
+    if not missing and not any(entry["quick"] for entry in facts.values()):
         data.write(DATA, table, facts)
 
 

@@ -31,7 +31,7 @@ def compact(measured: Tables) -> Tables:
     add("figure4", "figure4", lambda rows: _columns(rows, "contender asked median lowest highest"))
     add("figure4_rounds", "figure4", _rounds)
     add("figure4_total", "figure4_runs", lambda rows: [{"sets": sum(row["sets"] for row in rows), "processes": len(rows)}])
-    keys = [one.key for one in CONTENDERS if one.method in FIGURE6_SHOWN]
+    keys = [contender.key for contender in CONTENDERS if contender.method in FIGURE6_SHOWN]
     add("figure6", "figure6", lambda rows: _columns([row for row in rows if row["contender"] in keys], "contender asked squares checks"))
     add("figure6_ranges", "figure6", _ranges)
     add("figure5_radial", "figure5_radial", _differences)
@@ -58,12 +58,12 @@ def _ranges(counts: list[Row]) -> list[Row]:
     """Returns the lowest and highest counts over all sizes, for each contender."""
     rows = []
     for key in dict.fromkeys(row["contender"] for row in counts):
-        own = where(counts, contender=key)
+        own_rows = where(counts, contender=key)
         row = {"contender": key}
         for name in ("asked", "squares", "checks"):
-            values = [one[name] for one in own]
+            values = [run[name] for run in own_rows]
             row |= {f"{name}_least": min(values), f"{name}_most": max(values)}
-        rows.append(row | {"discarded": max(one["discarded"] for one in own)})
+        rows.append(row | {"discarded": max(run["discarded"] for run in own_rows)})
     return rows
 
 
@@ -71,17 +71,17 @@ def _differences(radial: list[Row]) -> list[Row]:
     """Returns the power of each ring and its difference from naive darts in standard errors."""
     expected = {row["from"]: row for row in where(radial, source="naive")}
     rows = _columns(radial, "source sets side from to power anisotropy_db")
-    for row, whole in zip(rows, radial, strict=True):
-        naive = expected[whole["from"]]
-        error = float(np.hypot(whole["error"], naive["error"]))
-        row["difference"] = 0.0 if whole is naive else (whole["power"] - naive["power"]) / error
+    for row, radial_row in zip(rows, radial, strict=True):
+        naive = expected[radial_row["from"]]
+        error = float(np.hypot(radial_row["error"], naive["error"]))
+        row["difference"] = 0.0 if radial_row is naive else (radial_row["power"] - naive["power"]) / error
     return rows
 
 
 def _billion_row(row: Row) -> Row:
     left_out = ("radius_squared", "least_squared")
-    kept = {name: cell for name, cell in row.items() if name not in left_out}
-    return kept | {"least_over_radius": row["least_squared"] / row["radius_squared"]}
+    kept_cells = {name: cell for name, cell in row.items() if name not in left_out}
+    return kept_cells | {"least_over_radius": row["least_squared"] / row["radius_squared"]}
 
 
 def write(path: Path, tables: Tables, facts: dict[str, Row]) -> None:
@@ -91,7 +91,7 @@ def write(path: Path, tables: Tables, facts: dict[str, Row]) -> None:
         columns = list(rows[0]) if rows else []
         lines = ",\n".join("   " + json.dumps([_short(row[column]) for column in columns]) for row in rows)
         parts.append(f'  "{name}": {{"columns": {json.dumps(columns)}, "rows": [\n{lines}\n  ]}}')
-    machine = ",\n".join(f"  {json.dumps(name)}: {json.dumps(one)}" for name, one in facts.items())
+    machine = ",\n".join(f"  {json.dumps(name)}: {json.dumps(entry)}" for name, entry in facts.items())
     text = '{\n "facts": {\n' + machine + '\n },\n "tables": {\n' + ",\n".join(parts) + "\n }\n}\n"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
@@ -103,9 +103,9 @@ def _short(cell: object) -> object:
 
 def read(path: Path) -> tuple[Tables, dict[str, Row]]:
     """Returns the tables and facts that `write` has written."""
-    whole = json.loads(path.read_text(encoding="utf-8"))
+    content = json.loads(path.read_text(encoding="utf-8"))
     tables = {
         name: [dict(zip(table["columns"], row, strict=True)) for row in table["rows"]]
-        for name, table in whole["tables"].items()
+        for name, table in content["tables"].items()
     }
-    return tables, whole["facts"]
+    return tables, content["facts"]

@@ -16,10 +16,10 @@ from bench.figures.tables import Row
 def _output(*command: str | Path) -> str:
     """Returns the output of a command, or an empty string if the command does not exist or fails."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+        result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     except OSError:
         return ""
-    return done.stdout.strip() if done.returncode == 0 else ""
+    return result.stdout.strip() if result.returncode == 0 else ""
 
 
 def _first(pattern: str, path: str) -> str:
@@ -27,8 +27,8 @@ def _first(pattern: str, path: str) -> str:
         text = Path(path).read_text(encoding="utf-8", errors="replace")
     except OSError:
         return ""
-    found = re.search(pattern, text, re.MULTILINE)
-    return found.group(1).strip() if found else ""
+    match = re.search(pattern, text, re.MULTILINE)
+    return match.group(1).strip() if match else ""
 
 
 def compile_flags(repo: Path, programs: Path) -> str:
@@ -39,7 +39,7 @@ def compile_flags(repo: Path, programs: Path) -> str:
     except (OSError, ValueError):
         return "unknown"
     built = f"{programs.name}/obj/tests/bench/domain_run.o"
-    command = next((one["command"] for one in database if one["output"].endswith(built)), "")
+    command = next((entry["command"] for entry in database if entry["output"].endswith(built)), "")
     flags = re.findall(r"(?:^|\s)(-(?!I|o\b|c\b)\S+)", command)
     return " ".join(flag for flag in flags if not flag.startswith("-W")) or "unknown"
 
@@ -48,7 +48,7 @@ def describe(repo: Path, programs: Path, quick: bool) -> Row:
     """Returns a description of machine, compiler, commit and date."""
     # Files that the command itself writes are ignored, because they do not affect the measurement.
     written = [":!tests/bench/data"]
-    changed = _output("git", "-C", repo, "status", "--porcelain", "--untracked-files=no", "--", ".", *written)
+    changed_files = _output("git", "-C", repo, "status", "--porcelain", "--untracked-files=no", "--", ".", *written)
     commit = _output("git", "-C", repo, "rev-parse", "--short=12", "HEAD") or "unknown"
     memory = _first(r"^MemTotal:\s+(\d+) kB", "/proc/meminfo")
     return {
@@ -58,7 +58,7 @@ def describe(repo: Path, programs: Path, quick: bool) -> Row:
         "system": f"{platform.system()} {platform.release()}",
         "compiler": _output(os.environ.get("CXX", "g++"), "--version").partition("\n")[0],
         "flags": compile_flags(repo, programs),
-        "commit": commit + (" with changes" if changed else ""),
+        "commit": commit + (" with changes" if changed_files else ""),
         "date": datetime.date.today().isoformat(),
         "quick": quick,
     }

@@ -57,7 +57,7 @@ def measure_cells(programs: Programs, settings: Settings) -> list[Row]:
                     )
                     runs.setdefault((method, precision, cell), []).extend(line)
         say(f"section 4.3: cells of {settings.cells} radii, round {round_number + 1} of {settings.cell_rounds}")
-    return [_cell_row(*key, some, runs[*key[:2], settings.cells[0]]) for key, some in runs.items()]
+    return [_cell_row(*key, runs_of_key, runs[*key[:2], settings.cells[0]]) for key, runs_of_key in runs.items()]
 
 
 def _cell_row(method: str, precision: str, cell: float, runs: list[Run], with_small_cells: list[Run]) -> Row:

@@ -31,12 +31,12 @@ def write(measured: Tables, facts: dict[str, Row], pictures: str, has_sets: bool
 
 def _head(facts: dict[str, Row]) -> str:
     first = facts["speed"]
-    others = [
-        f"{PARTS[name].shows} on {one['date']} at commit {one['commit']}"
-        for name, one in facts.items()
-        if (one["date"], one["commit"]) != (first["date"], first["commit"])
+    other_machines = [
+        f"{PARTS[name].shows} on {entry['date']} at commit {entry['commit']}"
+        for name, entry in facts.items()
+        if (entry["date"], entry["commit"]) != (first["date"], first["commit"])
     ]
-    apart = f" ({'; '.join(others)})" if others else ""
+    exceptions = f" ({'; '.join(other_machines)})" if other_machines else ""
     parts = [
         "# The seed paper, measured again",
         prose(
@@ -47,16 +47,16 @@ def _head(facts: dict[str, Row]) -> str:
             Ratios between methods on one machine do not."""
         ),
         prose(
-            f"""Measured on {first["date"]} at commit {first["commit"]}{apart}: {first["processor"]}, {first["cores"]}
+            f"""Measured on {first["date"]} at commit {first["commit"]}{exceptions}: {first["processor"]}, {first["cores"]}
             cores, {first["memory_gib"]:.0f} GiB, {first["system"]}; {first["compiler"]}, `{first["flags"]}`. Times
             are processor time of one core, with one process per run: medians, followed by the lowest and highest
             round. Contenders take turns within each round."""
         ),
     ]
-    committed = [PARTS[name].shows for name, one in facts.items() if one.get("committed")]
+    committed = [PARTS[name].shows for name, entry in facts.items() if entry.get("committed")]
     if committed:
         parts.append(f"**Not measured in this run, and taken from tests/bench/data: {', '.join(committed)}.**")
-    if any(one["quick"] for one in facts.values()):
+    if any(entry["quick"] for entry in facts.values()):
         parts.append(
             "**This is a quick run with small sets: its numbers only show that the command works.**"
         )

@@ -53,10 +53,10 @@ def _rate_rows(measured: Tables, decades: list[int]) -> list[list[str]]:
     rates, rounds = measured["figure4"], {row["contender"]: row for row in measured["figure4_rounds"]}
     rows = []
     for key, label in LABELS.items():
-        own = {row["asked"]: row for row in where(rates, contender=key)}
-        if own:
-            widest = max((row["highest"] - row["lowest"]) / row["median"] for row in own.values())
-            cells = [rate(own[size]["median"]) if size in own else "" for size in decades]
+        own_rates = {row["asked"]: row for row in where(rates, contender=key)}
+        if own_rates:
+            widest = max((row["highest"] - row["lowest"]) / row["median"] for row in own_rates.values())
+            cells = [rate(own_rates[size]["median"]) if size in own_rates else "" for size in decades]
             rows.append([label, *cells, span(rounds[key]["least"], rounds[key]["most"], str), percent(widest, 0)])
     return rows
 
@@ -86,11 +86,11 @@ def figure5(measured: Tables, pictures: str, has_sets: bool) -> str:
         [
             row["label"],
             row["sets"],
-            "the reference" if place == 0 else number(row["p"], 2),
+            "the reference" if row_index == 0 else number(row["p"], 2),
             f"{row['anisotropy_db']:.2f} dB",
             f"{row['expected_db']:.2f} dB",
         ]
-        for place, row in enumerate(measured["figure5_spectra"])
+        for row_index, row in enumerate(measured["figure5_spectra"])
     ]
     coverage = [
         [

@@ -60,14 +60,14 @@ def section43(measured: Tables, pictures: str) -> str:
 
 
 def _cell_row(row: Row) -> list[str]:
-    over = row["grid"] / row["bare"] - 1.0
+    overhead = row["grid"] / row["bare"] - 1.0
     return [
         f"{row['method']}, {row['precision']}",
         f"{row['asked_cell']:g}",
         number(row["microseconds"]),
         f"{number(row['slowdown'])} ({span(row['slowdown_lowest'], row['slowdown_highest'])})",
         number(row["grid"]),
-        "+" + percent(over, 0 if over > 1.0 else 1),
+        "+" + percent(overhead, 0 if overhead > 1.0 else 1),
         number(row["workspace"]),
     ]
 
@@ -79,17 +79,17 @@ def _large(measured: Tables) -> str:
     for row in measured["section43_large"]:
         limit = f"{row['limit'] / 2**30:.0f} GiB"
         if row["why"]:
-            known = where(measured["section43_growth"], precision="single")[-1]
-            would = gib(known["resident"] * row["asked"])
-            size = number(known["points"], 2)
-            why = f"not run: {row['why']}. Extrapolated from {size} points: {would}"
-            rows.append([f"{row['asked']:,.0f}", limit, f"{row['cell']:g} r", "", "", "", "", why])
+            last_growth = where(measured["section43_growth"], precision="single")[-1]
+            would = gib(last_growth["resident"] * row["asked"])
+            size = number(last_growth["points"], 2)
+            reason = f"not run: {row['why']}. Extrapolated from {size} points: {would}"
+            rows.append([f"{row['asked']:,.0f}", limit, f"{row['cell']:g} r", "", "", "", "", reason])
         else:
             each = number(row["resident"] / row["points"])
             time = f"{number(row['seconds'])} s, {rate(row['points'] / row['seconds'])}/s"
-            lost = [f"{row['coverage']:.6f}", f"{row['discarded']:,}"]
+            losses = [f"{row['coverage']:.6f}", f"{row['discarded']:,}"]
             rows.append(
-                [f"{row['points']:,}", limit, f"{row['cell']:g} r", gib(row["resident"]), each, *lost, time]
+                [f"{row['points']:,}", limit, f"{row['cell']:g} r", gib(row["resident"]), each, *losses, time]
             )
     head = ["points", "limit", "cells", "peak resident", "bytes per point", "coverage", "squares discarded"]
     head.append("processor time")
@@ -120,7 +120,7 @@ BILLION_ROWS = {
 
 def billion(measured: Tables) -> str:
     rows = measured["billion"]
-    body = [[what, *(write_cell(row) for row in rows)] for what, write_cell in BILLION_ROWS.items()]
+    body = [[label, *(write_cell(row) for row in rows)] for label, write_cell in BILLION_ROWS.items()]
     same = len({row["digest"] for row in rows}) == 1
     return "\n\n".join(
         [

@@ -28,9 +28,9 @@ def _rates(rates: list[Row]) -> list[list[str]]:
         if key in at:
             reported, own = paper.RATES[method], at[key]
             spread = span(own["lowest"], own["highest"], rate)
-            what = {"jones": "Jones", "scalloped": "scalloped sectors"}.get(method, f"{method}, {precision}")
+            method_label = {"jones": "Jones", "scalloped": "scalloped sectors"}.get(method, f"{method}, {precision}")
             cells = [rate(reported.value), rate(own["median"]), spread, ratio(own["median"] / reported.value)]
-            rows.append([f"{what}, {of_size}", *cells, reported.where])
+            rows.append([f"{method_label}, {of_size}", *cells, reported.where])
     fast, tiles = at["accumulator-double"], at["tile-double"]
     theirs = paper.RATES["accumulator"]
     spread = span(tiles["lowest"], tiles["highest"], rate)
@@ -85,8 +85,8 @@ def _bytes(memory: list[Row]) -> list[list[str]]:
     rows = []
     for (method, precision), reported in paper.BYTES.items():
         own = where(memory, method=method, precision=precision)[0]["workspace"]
-        what = f"bytes per point, {method}, {precision}"
-        rows.append([what, number(reported.value), number(own), "exact", ratio(own / reported.value), reported.where])
+        label = f"bytes per point, {method}, {precision}"
+        rows.append([label, number(reported.value), number(own), "exact", ratio(own / reported.value), reported.where])
     return rows
 
 
@@ -94,7 +94,7 @@ def _cells(cells: list[Row]) -> list[list[str]]:
     reported = paper.LARGE_CELL_SLOWDOWN
     rows = []
     for own in where(cells, method="accumulator", asked_cell=paper.LARGE_CELL):
-        what = f"time with cells of 20 r over cells of 1 r, accumulator, {own['precision']}"
+        label = f"time with cells of 20 r over cells of 1 r, accumulator, {own['precision']}"
         spread = span(own["slowdown_lowest"], own["slowdown_highest"])
         cells_of_row = [
             number(reported.value),
@@ -102,7 +102,7 @@ def _cells(cells: list[Row]) -> list[list[str]]:
             spread,
             ratio(own["slowdown"] / reported.value),
         ]
-        rows.append([what, *cells_of_row, reported.where])
+        rows.append([label, *cells_of_row, reported.where])
     return rows
 
 
@@ -111,8 +111,8 @@ def _large(large: list[Row]) -> list[list[str]]:
     for own, reported in zip(large, paper.LARGE_SETS, strict=False):
         theirs = reported.paper_bytes
         ours = ["not run", "", ""] if own["why"] else [gib(own["resident"]), "one run", ratio(own["resident"] / theirs)]
-        what = f"memory for {reported.points / 1e6:.0f} million points, wavefront"
-        rows.append([what, f"at most {theirs / 2**30:.0f} GiB", *ours, reported.where])
+        label = f"memory for {reported.points / 1e6:.0f} million points, wavefront"
+        rows.append([label, f"at most {theirs / 2**30:.0f} GiB", *ours, reported.where])
     return rows
 
 

@@ -42,8 +42,8 @@ class Peers:
     def run(self, method: str, _precision: str, points: float, seed: int, sets: int = 1) -> list[Run]:
         """Runs a peer with the arguments of Programs.domain, and at most MOST_SETS sets."""
         lines: list[Run] = []
-        for number in range(min(sets, MOST_SETS)):
-            lines += run_lines([*self._commands[method], method, f"{points:.0f}", seed + number])
+        for set_index in range(min(sets, MOST_SETS)):
+            lines += run_lines([*self._commands[method], method, f"{points:.0f}", seed + set_index])
         if not lines:
             raise Failed(f"{method} printed nothing")
         return lines

@@ -146,16 +146,16 @@ def section42(memory: list[Row], theme: Theme) -> Figure:
     axes.barh(places, grid, color=colors, height=0.62)
     axes.barh(places, squares, left=grid, color=colors, alpha=0.45, height=0.62)
     widest = max(max(grid + squares), *(reported.value for reported in paper.BYTES.values()))
-    for place, row, total in zip(places, memory, grid + squares, strict=True):
+    for bar_y, row, total in zip(places, memory, grid + squares, strict=True):
         reported = paper.BYTES.get((row["method"], row["precision"]))
         end = total
         if reported:
-            axes.plot(reported.value, place, marker="D", color=theme.ink, fillstyle="none", markersize=7)
-            near = abs(reported.value - total) < 0.08 * widest
-            end = max(total, reported.value) if near else total
-            behind = end + 0.05 * widest if near else reported.value
-            axes.text(behind + 0.015 * widest, place, f"paper: {reported.value:.0f}", va="center", fontsize=8.5)
-        axes.text(end + 0.012 * widest, place, f"{total:.0f}", va="center", fontweight="bold")
+            axes.plot(reported.value, bar_y, marker="D", color=theme.ink, fillstyle="none", markersize=7)
+            is_near = abs(reported.value - total) < 0.08 * widest
+            end = max(total, reported.value) if is_near else total
+            text_x = end + 0.05 * widest if is_near else reported.value
+            axes.text(text_x + 0.015 * widest, bar_y, f"paper: {reported.value:.0f}", va="center", fontsize=8.5)
+        axes.text(end + 0.012 * widest, bar_y, f"{total:.0f}", va="center", fontweight="bold")
     axes.set_yticks(places, names)
     axes.set_xlim(0, widest * 1.17)
     axes.set_xlabel("bytes per point in addition to the points themselves (full color: accelerator grid; pale: active squares)")

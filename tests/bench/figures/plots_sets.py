@@ -46,13 +46,13 @@ def radial(rows: list[Row], theme: Theme) -> Figure:
     mean, difference, direction = panels
     reference = where(rows, source="naive")
     for source in SOURCES:
-        some = where(rows, source=source.key)
-        frequency = [0.5 * (row["from"] + row["to"]) for row in some]
+        source_rows = where(rows, source=source.key)
+        frequency = [0.5 * (row["from"] + row["to"]) for row in source_rows]
         style = {"color": theme.methods[source.key], "linewidth": 1.4, "label": source.label}
-        mean.plot(frequency, [row["power"] for row in some], **style)
+        mean.plot(frequency, [row["power"] for row in source_rows], **style)
         if source.key != "naive":
-            difference.plot(frequency, [row["difference"] for row in some], **style)
-        direction.plot(frequency, [row["anisotropy_db"] for row in some], **style)
+            difference.plot(frequency, [row["difference"] for row in source_rows], **style)
+        direction.plot(frequency, [row["anisotropy_db"] for row in source_rows], **style)
     mean.axhline(1.0, color=theme.muted, linewidth=1.0, linestyle=":")
     mean.set_ylim(bottom=0.0)
     mean.set_title("radial mean of the power; unrelated points have 1")

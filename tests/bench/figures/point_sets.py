@@ -68,7 +68,7 @@ def make_sets(programs: Programs, source: Source, side: float, sets: int, seed: 
 
 def p_of_equal_means(a: AveragedSpectrum, b: AveragedSpectrum) -> float:
     """Returns the probability that radial means differ at least this much by chance; 1 for identical sources."""
-    rows = [one.radial_of_sets.reshape(one.sets, -1, RINGS_TOGETHER).mean(axis=2) for one in (a, b)]
+    rows = [point_set.radial_of_sets.reshape(point_set.sets, -1, RINGS_TOGETHER).mean(axis=2) for point_set in (a, b)]
     return 1.0 if a is b else means_differ(*rows)
 
 

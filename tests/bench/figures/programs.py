@@ -39,12 +39,12 @@ def run_lines(
             resource.setrlimit(resource.RLIMIT_AS, (int(limit_bytes), int(limit_bytes)))
 
     words = [str(word) for word in command]
-    done = subprocess.run(
+    result = subprocess.run(
         words, capture_output=True, text=True, errors="replace", timeout=timeout, check=False, preexec_fn=limit
     )
-    if done.returncode not in accepted:
-        raise Failed(f"{' '.join(words)} ended with {done.returncode}: {done.stderr.strip()[-500:]}")
-    return [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+    if result.returncode not in accepted:
+        raise Failed(f"{' '.join(words)} ended with {result.returncode}: {result.stderr.strip()[-500:]}")
+    return [json.loads(line) for line in result.stdout.splitlines() if line.startswith("{")]
 
 
 @dataclass

@@ -72,8 +72,8 @@ class Series:
         if self.ended:
             return 0
         fitting = int(self.settings.contender_seconds / max(seconds, 1e-9))
-        least = self.settings.least_rounds if self.contender.family == OURS and size <= LOSS_TO else 1
-        return min(max(fitting, least), self.settings.most_rounds)
+        min_rounds = self.settings.least_rounds if self.contender.family == OURS and size <= LOSS_TO else 1
+        return min(max(fitting, min_rounds), self.settings.most_rounds)
 
     def sets(self, size: int) -> int:
         """Returns the number of sets in one run."""
@@ -116,22 +116,22 @@ def measure(programs: Programs, contenders: Iterable[Contender], settings: Setti
     them equally."""
     rows: list[Row] = []
     series = [Series(contender, settings) for contender in contenders]
-    for one in series:
-        one.begin(programs)
+    for measurement in series:
+        measurement.begin(programs)
     for size in settings.sizes:
-        running = [(one, one.rounds(size)) for one in series if not one.ended]
-        for one, rounds in running:
+        running = [(measurement, measurement.rounds(size)) for measurement in series if not measurement.ended]
+        for measurement, rounds in running:
             if rounds == 0:
-                say(f"figure 4: {one.contender.key} ends: {one.ended}")
+                say(f"figure 4: {measurement.contender.key} ends: {measurement.ended}")
         for round_number in range(settings.most_rounds):
-            for one, rounds in running:
-                if round_number < rounds and not one.ended:
+            for measurement, rounds in running:
+                if round_number < rounds and not measurement.ended:
                     try:
-                        rows.append(one.take(programs, size, round_number))
+                        rows.append(measurement.take(programs, size, round_number))
                     except Failed as failed:
-                        one.ended = str(failed)
-                        say(f"figure 4: {one.contender.key} ends: {failed}")
-        say(f"figure 4: {size:,} points,", ", ".join(_summary(one, size) for one in series if size in one.rates))
+                        measurement.ended = str(failed)
+                        say(f"figure 4: {measurement.contender.key} ends: {failed}")
+        say(f"figure 4: {size:,} points,", ", ".join(_summary(measurement, size) for measurement in series if size in measurement.rates))
     return rows
 
 
@@ -143,15 +143,15 @@ def summarise(runs: list[Row]) -> list[Row]:
     """Returns figure 4's table: the median, lowest and highest rate of each contender at each size."""
     rows = []
     for key, size in dict.fromkeys((run["contender"], run["asked"]) for run in runs):
-        some = where(runs, contender=key, asked=size)
-        rates = [run["rate"] for run in some]
-        sets = sum(run["sets"] for run in some)
+        own_runs = where(runs, contender=key, asked=size)
+        rates = [run["rate"] for run in own_runs]
+        sets = sum(run["sets"] for run in own_runs)
         rows.append(
             {
                 "contender": key,
                 "asked": size,
-                "points": sum(run["points"] for run in some) / sets,
-                "rounds": len(some),
+                "points": sum(run["points"] for run in own_runs) / sets,
+                "rounds": len(own_runs),
                 "sets": sets,
                 "median": statistics.median(rates),
                 "lowest": min(rates),
@@ -185,12 +185,12 @@ def counts(runs: list[Row]) -> list[Row]:
     lowest and highest values are those of single rounds."""
     rows = []
     for key, size in dict.fromkeys((run["contender"], run["asked"]) for run in runs if run["selections"] > 0):
-        some = where(runs, contender=key, asked=size)
-        row = {"contender": key, "asked": size, "sets": sum(run["sets"] for run in some)}
+        own_runs = where(runs, contender=key, asked=size)
+        row = {"contender": key, "asked": size, "sets": sum(run["sets"] for run in own_runs)}
         for name, above, below in (("squares", "squares", "points"), ("checks", "list_checks", "selections")):
-            each = [run[above] / run[below] for run in some]
-            row[name] = sum(run[above] for run in some) / sum(run[below] for run in some)
+            each = [run[above] / run[below] for run in own_runs]
+            row[name] = sum(run[above] for run in own_runs) / sum(run[below] for run in own_runs)
             row[name + "_lowest"], row[name + "_highest"] = min(each), max(each)
-        row["discarded"] = sum(run["discarded"] for run in some) / sum(run["points"] for run in some)
+        row["discarded"] = sum(run["discarded"] for run in own_runs) / sum(run["points"] for run in own_runs)
         rows.append(row)
     return rows

@@ -128,7 +128,7 @@ def label_ends(axes: Axes, labels: list[Label], gap: float = 7.0) -> None:
     figure.canvas.draw()
     texts = []
     for label in labels:
-        place = axes.transData.transform((label.x, label.y))
+        pixel_position = axes.transData.transform((label.x, label.y))
         text = axes.annotate(
             label.text,
             (label.x, label.y),
@@ -141,11 +141,11 @@ def label_ends(axes: Axes, labels: list[Label], gap: float = 7.0) -> None:
             annotation_clip=False,
         )
         box = text.get_window_extent()
-        texts.append([place[1], box.x0, box.x1, box.height, text, label])
+        texts.append([pixel_position[1], box.x0, box.x1, box.height, text, label])
     texts.sort(key=lambda one: one[0])
     heights = [one[0] for one in texts]
     for _ in range(400):
-        moved = False
+        is_moved = False
         for low in range(len(texts)):
             for high in range(low + 1, len(texts)):
                 a, b = texts[low], texts[high]
@@ -153,8 +153,8 @@ def label_ends(axes: Axes, labels: list[Label], gap: float = 7.0) -> None:
                 if a[1] < b[2] and b[1] < a[2] and overlap > 0.1:
                     heights[low] -= overlap / 2
                     heights[high] += overlap / 2
-                    moved = True
-        if not moved:
+                    is_moved = True
+        if not is_moved:
             break
     points = 72.0 / figure.dpi
     for height, (natural, _, _, _, text, label) in zip(heights, texts, strict=True):

@@ -77,9 +77,9 @@ def main(arguments: list[str]) -> int:
     sample, package, maximal = PEERS[name]
     sample(side_for(WARM_UP_POINTS), seed)
     start = time.process_time()
-    made = sample(side_for(points), seed)
+    sample_points = sample(side_for(points), seed)
     seconds = time.process_time() - start
-    positions = numpy.asarray(made, dtype="<f8").reshape(-1, 2)
+    positions = numpy.asarray(sample_points, dtype="<f8").reshape(-1, 2)
     for option in arguments[3:]:
         with open(option.removeprefix("dump="), "wb") as file:
             file.write(len(positions).to_bytes(8, "little"))
