@@ -16,7 +16,7 @@ constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 thread_local std::size_t allocations = 0;
 thread_local std::size_t max_allocations = unlimited;
 thread_local bool fails_once = false;
-thread_local bool failed = false;
+thread_local bool has_failed = false;
 
 /// Counts an allocation. Returns false if it must fail.
 bool granted() {
@@ -24,7 +24,7 @@ bool granted() {
 		++allocations;
 		return true;
 	}
-	failed = true;
+	has_failed = true;
 	max_allocations = fails_once ? unlimited : max_allocations;
 	return false;
 }
@@ -60,12 +60,12 @@ std::size_t allocation_count() { return allocations; }
 AllocationLimit::AllocationLimit(std::size_t allowed, Fails fails) {
 	max_allocations = allowed < unlimited - allocations ? allocations + allowed : unlimited;
 	fails_once = fails == Fails::one;
-	failed = false;
+	has_failed = false;
 }
 
 AllocationLimit::~AllocationLimit() { max_allocations = unlimited; }
 
-bool AllocationLimit::reached() const { return failed; }
+bool AllocationLimit::reached() const { return has_failed; }
 
 // The standard library's array forms call these operators. Its nothrow forms also do so, but sanitizers
 // replace those.

@@ -49,9 +49,9 @@ struct FlatWorld {
 	}
 
 	/// Stores the tiles from -reach to reach in the world.
-	void load(int reach = 2, double height = 0.0) {
-		for (int y = -reach; y <= reach; ++y) {
-			for (int x = -reach; x <= reach; ++x) {
+	void load(int tile_radius = 2, double height = 0.0) {
+		for (int y = -tile_radius; y <= tile_radius; ++y) {
+			for (int x = -tile_radius; x <= tile_radius; ++x) {
 				world.keep({0, {x, y}}, make({x, y}, height));
 			}
 		}
@@ -59,12 +59,12 @@ struct FlatWorld {
 
 	/// Returns the IDs of all instances within `radius` meters of a position.
 	std::set<std::uint64_t> within(glm::dvec3 center, double radius) const {
-		std::vector<PlacedInstance> found;
+		std::vector<PlacedInstance> results;
 		CHECK(world.query_known([&](const InstanceQuery &query) {
-					   return query.in_sphere(center, radius, {}, found);
+					   return query.in_sphere(center, radius, {}, results);
 				   }).ok());
 		std::set<std::uint64_t> ids;
-		for (const PlacedInstance &instance : found) {
+		for (const PlacedInstance &instance : results) {
 			ids.insert(instance.id);
 		}
 		return ids;

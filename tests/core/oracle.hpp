@@ -93,9 +93,9 @@ private:
 	bool obstructed(glm::i64vec2 low, glm::i64vec2 high) const {
 		const double unit = lattice_unit(set_);
 		const glm::dvec2 from = glm::dvec2(low) * unit;
-		const glm::dvec2 to = glm::dvec2(high) * unit;
+		const glm::dvec2 upper = glm::dvec2(high) * unit;
 		return std::ranges::any_of(obstacles_, [&](const Obstacle &each) {
-			const glm::dvec2 offset = glm::max(glm::abs(from - each.center), glm::abs(to - each.center));
+			const glm::dvec2 offset = glm::max(glm::abs(from - each.center), glm::abs(upper - each.center));
 			return offset.x * offset.x + offset.y * offset.y < each.radius * each.radius;
 		});
 	}
@@ -125,10 +125,10 @@ private:
 					(child >> 1) * (width << lattice_bits);
 			const glm::i64vec2 low = lattice_of(cell, corner);
 			const glm::i64vec2 high = low + std::int64_t{width} - std::int64_t{1};
-			const bool covered = any_point_near(cell, [&](glm::i64vec2 other) {
+			const bool is_covered = any_point_near(cell, [&](glm::i64vec2 other) {
 				return distance2(glm::max(glm::abs(low - other), glm::abs(high - other))) < radius_squared;
 			});
-			if (!covered && !obstructed(low, high)) {
+			if (!is_covered && !obstructed(low, high)) {
 				push(cell, child_dart(dart, child));
 			}
 		}

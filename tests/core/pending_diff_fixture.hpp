@@ -20,22 +20,22 @@ using Calls = std::vector<std::function<void(InstanceState &)>>;
 inline constexpr std::uint16_t layer_count = 3;
 
 inline std::uint64_t near_point(StateRandom &random) {
-	const auto near = [&random] {
+	const auto near_coordinate = [&random] {
 		return static_cast<int>(random() % 12) - 6;
 	};
-	return point_id(static_cast<std::uint16_t>(random() % layer_count * 16000), near(), near());
+	return point_id(static_cast<std::uint16_t>(random() % layer_count * 16000), near_coordinate(), near_coordinate());
 }
 
 /// Returns random calls whose arguments do not depend on the state. They use few IDs. The IDs in
 /// `placed` belong to hand-placed instances.
-inline Calls some_calls(StateRandom &random, const std::vector<std::uint64_t> &placed, int count) {
+inline Calls some_calls(StateRandom &random, const std::vector<std::uint64_t> &added_ids, int count) {
 	Calls calls;
 	for (int i = 0; i < count; ++i) {
 		const std::uint64_t any =
-				random() % 4 == 0 && !placed.empty() ? placed[random() % placed.size()] : near_point(random);
-		const double number = static_cast<double>(random() % 60);
+				random() % 4 == 0 && !added_ids.empty() ? added_ids[random() % added_ids.size()] : near_point(random);
+		const double value = static_cast<double>(random() % 60);
 		switch (random() % 6) {
-			case 0: calls.emplace_back([=](InstanceState &r_state) { r_state.remove(any, number); }); break;
+			case 0: calls.emplace_back([=](InstanceState &r_state) { r_state.remove(any, value); }); break;
 			case 1: calls.emplace_back([=](InstanceState &r_state) { r_state.remove(any); }); break;
 			case 2: calls.emplace_back([=](InstanceState &r_state) { r_state.restore(any); }); break;
 			case 3:
@@ -44,13 +44,13 @@ inline Calls some_calls(StateRandom &random, const std::vector<std::uint64_t> &p
 				break;
 			case 4:
 				calls.emplace_back([=, at = static_cast<double>(random() % 1000000)](InstanceState &r_state) {
-					added_to(r_state, instance_at(at, number, 16000));
+					added_to(r_state, instance_at(at, value, 16000));
 				});
 				break;
 			default:
 				calls.emplace_back([=](InstanceState &r_state) {
 					Changes changes;
-					REQUIRE(r_state.advance(number / 9.0, changes).ok());
+					REQUIRE(r_state.advance(value / 9.0, changes).ok());
 				});
 		}
 	}

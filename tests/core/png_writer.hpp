@@ -101,21 +101,21 @@ inline void append_pass(Stored &r_rows, const Layout &layout, const Values &valu
 		for (pixel.x = first.x; pixel.x < layout.size.x; pixel.x += step.x) {
 			for (int channel = 0; channel < layout.channels(); ++channel) {
 				const unsigned value = values(pixel, channel);
-				for (int left = layout.bits - 1; left >= 0; --left, ++bit) {
+				for (int shift = layout.bits - 1; shift >= 0; --shift, ++bit) {
 					if (bit % 8 == 0) {
 						row.push_back(0);
 					}
-					row.back() = static_cast<std::uint8_t>(row.back() | (value >> left & 1u) << (7 - bit % 8));
+					row.back() = static_cast<std::uint8_t>(row.back() | (value >> shift & 1u) << (7 - bit % 8));
 				}
 			}
 		}
 		above.resize(row.size());
 		r_rows.push_back(static_cast<std::uint8_t>(filter));
 		for (std::size_t i = 0; i < row.size(); ++i) {
-			const bool inside = i >= pixel_bytes;
+			const bool has_left = i >= pixel_bytes;
 			r_rows.push_back(static_cast<std::uint8_t>(row[i] -
-					predicted(
-							filter, inside ? row[i - pixel_bytes] : 0, above[i], inside ? above[i - pixel_bytes] : 0)));
+					predicted(filter, has_left ? row[i - pixel_bytes] : 0, above[i],
+							has_left ? above[i - pixel_bytes] : 0)));
 		}
 		above = row;
 		filter = (filter + 1) % 5;

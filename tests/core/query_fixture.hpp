@@ -151,9 +151,9 @@ inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area,
 		const glm::ivec2 last = tile_at(query_layer.tile_size, area.max);
 		for (int i = 0; i < (last.x - first.x + 1) * (last.y - first.y + 1); ++i) {
 			TileInstances tile;
-			std::shared_ptr<const CompactTile> known; // Caches the tile, as a query would.
+			std::shared_ptr<const CompactTile> cached_tile; // Caches the tile, as a query would.
 			const int width = last.x - first.x + 1;
-			REQUIRE(world.find_tile({layer, first + glm::ivec2(i % width, i / width)}, known).ok());
+			REQUIRE(world.find_tile({layer, first + glm::ivec2(i % width, i / width)}, cached_tile).ok());
 			REQUIRE(world.build(layer, first + glm::ivec2(i % width, i / width), tile).ok());
 			for (std::uint32_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
 				const MeshInstances &instances = tile.meshes[mesh];
@@ -184,9 +184,9 @@ inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area,
 
 template <class Pass>
 std::vector<PlacedInstance> matching(const std::vector<PlacedInstance> &all, const Pass &pass) {
-	std::vector<PlacedInstance> some;
-	std::copy_if(all.begin(), all.end(), std::back_inserter(some), pass);
-	return some;
+	std::vector<PlacedInstance> nearby;
+	std::copy_if(all.begin(), all.end(), std::back_inserter(nearby), pass);
+	return nearby;
 }
 
 /// Returns true if all fields are equal.
@@ -239,9 +239,9 @@ inline InstanceState changed_state(const std::vector<PlacedInstance> &all, glm::
 inline constexpr Rect glade{{0.0, 0.0}, {70.0, 70.0}};
 
 inline std::vector<PlacedInstance> found_in(const InstanceQuery &query, const Rect &rect) {
-	std::vector<PlacedInstance> found;
-	REQUIRE(query.in_rect(rect, {}, found).ok());
-	return found;
+	std::vector<PlacedInstance> results;
+	REQUIRE(query.in_rect(rect, {}, results).ok());
+	return results;
 }
 
 } // namespace thicket::test

@@ -45,10 +45,10 @@ inline Rect rect_around(glm::dvec2 center, double half) { return {center - half,
 /// Returns the set's density at a position, computed from the shapes that `ShapeSet::near` finds
 /// there.
 inline double density_of(const ShapeSet &set, glm::dvec3 position) {
-	std::vector<std::uint32_t> near;
+	std::vector<std::uint32_t> near_shapes;
 	const glm::dvec2 flat(position.x, position.z);
-	static_cast<void>(set.find_nearby({flat, flat}, near));
-	return set.density(near, position);
+	static_cast<void>(set.find_nearby({flat, flat}, near_shapes));
+	return set.density(near_shapes, position);
 }
 
 /// Returns a random rotation: three orthonormal columns.

@@ -17,9 +17,9 @@ namespace thicket::test {
 /// `prepare()` creates the job's data, and `run(prepared)` executes the job and returns a Status.
 /// After each failure, `check_unchanged(prepared)` must verify that the data has not changed, and
 /// the job must then succeed on the same data. `check_done(prepared)` must verify the result of
-/// each success. A failure must have the code out_of_memory and the property `refused`.
+/// each success. A failure must have the code out_of_memory and the property `property`.
 template <typename Prepare, typename Run, typename Unchanged, typename Done>
-void fail_every_request(const std::string &refused, const Prepare &prepare, const Run &run,
+void fail_every_request(const std::string &property, const Prepare &prepare, const Run &run,
 		const Unchanged &check_unchanged, const Done &check_done) {
 	for (const auto fails : {AllocationLimit::Fails::all_later, AllocationLimit::Fails::one}) {
 		std::size_t failures = 0;
@@ -37,7 +37,7 @@ void fail_every_request(const std::string &refused, const Prepare &prepare, cons
 				++failures;
 				REQUIRE(reached);
 				REQUIRE(status.code == ErrorCode::out_of_memory);
-				REQUIRE(status.property == refused);
+				REQUIRE(status.property == property);
 				check_unchanged(prepared);
 				REQUIRE(run(prepared).ok());
 			}

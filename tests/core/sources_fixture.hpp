@@ -30,9 +30,9 @@ inline std::shared_ptr<const ColorTable> palette() {
 class Waves final : public DensityField {
 public:
 	static float at(glm::dvec2 position) {
-		const double along = position.x * 0.125 + position.y * 0.03125;
-		const double part = along - std::floor(along);
-		return part < 0.05 ? std::nanf("") : static_cast<float>(1.5 * part - 0.25);
+		const double phase = position.x * 0.125 + position.y * 0.03125;
+		const double fraction = phase - std::floor(phase);
+		return fraction < 0.05 ? std::nanf("") : static_cast<float>(1.5 * fraction - 0.25);
 	}
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override {
@@ -55,9 +55,9 @@ inline std::shared_ptr<const PaintedMask> painted_at(std::optional<glm::dvec2> s
 	REQUIRE(mask->reset(0.5, 1.0).ok());
 	if (spot.has_value()) {
 		const Brush brush{Brush::Mode::erase, *spot, 1.0, 1.0, 1.0};
-		Rect changed;
-		REQUIRE(mask->paint(brush, changed).ok());
-		REQUIRE_FALSE(changed.empty());
+		Rect changed_rect;
+		REQUIRE(mask->paint(brush, changed_rect).ok());
+		REQUIRE_FALSE(changed_rect.empty());
 	}
 	return mask;
 }

@@ -66,14 +66,14 @@ inline StateBytes with_checksum(StateBytes bytes) {
 /// Makes one random call that changes the state. It uses few IDs, so that several calls often
 /// change the same instance.
 inline void change_at_random(InstanceState &r_state, StateRandom &random) {
-	const auto near = [&random] {
+	const auto near_coordinate = [&random] {
 		return static_cast<int>(random() % 12) - 6;
 	};
 	const auto layer = static_cast<std::uint16_t>(random() % 3 * 16000);
-	const std::uint64_t point = point_id(layer, near(), near());
+	const std::uint64_t point = point_id(layer, near_coordinate(), near_coordinate());
 	const std::vector<std::uint64_t> added = r_state.added_ids();
-	const std::uint64_t placed = added.empty() ? point : added[random() % added.size()];
-	const std::uint64_t any = random() % 2 != 0 ? point : placed;
+	const std::uint64_t added_id = added.empty() ? point : added[random() % added.size()];
+	const std::uint64_t any = random() % 2 != 0 ? point : added_id;
 	switch (random() % 9) {
 		case 0:
 		case 1:
@@ -82,7 +82,7 @@ inline void change_at_random(InstanceState &r_state, StateRandom &random) {
 		case 2: r_state.remove(any_point(random, layer)); break;
 		case 3: r_state.restore(any); break;
 		case 4: {
-			AddedInstance instance = instance_at(near() * 20.0, near() * 20.0, layer);
+			AddedInstance instance = instance_at(near_coordinate() * 20.0, near_coordinate() * 20.0, layer);
 			instance.mesh = static_cast<std::uint8_t>(random() % 2);
 			std::uint64_t id = 0;
 			REQUIRE(r_state.add(instance, id).ok());
@@ -95,9 +95,9 @@ inline void change_at_random(InstanceState &r_state, StateRandom &random) {
 		case 7: {
 			std::vector<InstanceChange> changes;
 			std::uint64_t id = 0;
-			const AddedInstance to = instance_at(near() * 20.0, near() * 20.0, layer_of(any));
+			const AddedInstance target = instance_at(near_coordinate() * 20.0, near_coordinate() * 20.0, layer_of(any));
 			const bool existed = is_added(any) || !r_state.removed(any);
-			REQUIRE(r_state.move(any, to, id, changes).ok() == existed);
+			REQUIRE(r_state.move(any, target, id, changes).ok() == existed);
 			break;
 		}
 		default: {

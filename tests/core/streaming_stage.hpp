@@ -39,10 +39,10 @@ public:
 	void update(const std::vector<Viewer> &viewers, std::size_t max_pending = unlimited) {
 		REQUIRE(streamer.update(viewers, max_pending, changes).ok());
 		for (const TileRequest &request : changes.cancel) {
-			const auto found = pending.find(name_of(request.key));
-			REQUIRE(found != pending.end());
-			CHECK(found->second.ticket == request.ticket);
-			pending.erase(found);
+			const auto match = pending.find(name_of(request.key));
+			REQUIRE(match != pending.end());
+			CHECK(match->second.ticket == request.ticket);
+			pending.erase(match);
 			ready.erase(request.ticket);
 			CHECK_FALSE(streamer.finish(request));
 		}
@@ -124,8 +124,8 @@ inline void check_view(const Stage &stage, const std::vector<StreamLayer> &layer
 			CHECK(std::ranges::any_of(viewers, [&](const Viewer &viewer) {
 				// A viewer may have moved up to an eighth of a tile since the streamer last
 				// checked.
-				const double reach = 1.1 * layers[layer].view_distance * viewer.radius_scale + 1.126 * size;
-				return distance_squared(rect, viewer.position) <= reach * reach;
+				const double max_distance = 1.1 * layers[layer].view_distance * viewer.radius_scale + 1.126 * size;
+				return distance_squared(rect, viewer.position) <= max_distance * max_distance;
 			}));
 		}
 	}

@@ -45,12 +45,12 @@ struct Triangles {
 
 /// Returns a square with a corner at `origin` and its edges along two unit vectors, divided into
 /// `count` x `count` quads.
-inline Triangles square(
-		double size, std::uint32_t count, const glm::dvec3 &origin, const glm::dvec3 &along, const glm::dvec3 &across) {
+inline Triangles square(double size, std::uint32_t count, const glm::dvec3 &origin, const glm::dvec3 &u_axis,
+		const glm::dvec3 &v_axis) {
 	Triangles triangles;
 	for (std::uint32_t y = 0; y <= count; ++y) {
 		for (std::uint32_t x = 0; x <= count; ++x) {
-			triangles.vertices.push_back(origin + along * (size * x / count) + across * (size * y / count));
+			triangles.vertices.push_back(origin + u_axis * (size * x / count) + v_axis * (size * y / count));
 		}
 	}
 	for (std::uint32_t y = 0; y < count; ++y) {
@@ -78,10 +78,10 @@ inline Triangles sphere(double radius, std::uint32_t count) {
 	for (std::uint32_t y = 0; y <= count; ++y) {
 		for (std::uint32_t x = 0; x <= 2 * count; ++x) {
 			const double polar = pi * y / count;
-			const double around = pi * (x % (2 * count)) / count;
+			const double longitude = pi * (x % (2 * count)) / count;
 			triangles.vertices.push_back(radius *
-					glm::dvec3(
-							std::sin(polar) * std::cos(around), std::cos(polar), std::sin(polar) * std::sin(around)));
+					glm::dvec3(std::sin(polar) * std::cos(longitude), std::cos(polar),
+							std::sin(polar) * std::sin(longitude)));
 		}
 	}
 	const std::uint32_t row = 2 * count + 1;
@@ -140,9 +140,10 @@ private:
 	template <typename Visit>
 	void each_near(const glm::dvec3 &position, Visit visit) const {
 		const auto [x, y, z] = cube(position);
-		for (int number = 0; number < 27; ++number) {
-			const auto found = cubes_.find({x + number % 3 - 1, y + number / 3 % 3 - 1, z + number / 9 - 1});
-			for (const std::size_t index : found != cubes_.end() ? found->second : std::vector<std::size_t>()) {
+		for (int cube_index = 0; cube_index < 27; ++cube_index) {
+			const auto entry =
+					cubes_.find({x + cube_index % 3 - 1, y + cube_index / 3 % 3 - 1, z + cube_index / 9 - 1});
+			for (const std::size_t index : entry != cubes_.end() ? entry->second : std::vector<std::size_t>()) {
 				visit(index);
 			}
 		}

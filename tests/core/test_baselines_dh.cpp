@@ -75,9 +75,9 @@ struct Coverage {
 	int sets = 0;
 
 	void add(std::size_t points, double side) {
-		const double covered = static_cast<double>(points) * std::numbers::pi / 4.0 / (side * side);
-		sum += covered;
-		squares += covered * covered;
+		const double covered_fraction = static_cast<double>(points) * std::numbers::pi / 4.0 / (side * side);
+		sum += covered_fraction;
+		squares += covered_fraction * covered_fraction;
 		++sets;
 	}
 
@@ -144,15 +144,16 @@ std::vector<ScallopedSector> annulus() {
 
 std::vector<ScallopedSector> cut(const std::vector<ScallopedSector> &sectors, const Disk &disk) {
 	bench::SectorCut tool;
-	std::vector<ScallopedSector> rest;
+	std::vector<ScallopedSector> remaining;
 	for (const ScallopedSector &sector : sectors) {
 		if (sector.misses(disk) || !tool.run(sector, disk)) {
-			rest.push_back(sector);
+			remaining.push_back(sector);
 		} else {
-			rest.insert(rest.end(), tool.parts.begin(), tool.parts.begin() + static_cast<std::ptrdiff_t>(tool.count));
+			remaining.insert(
+					remaining.end(), tool.parts.begin(), tool.parts.begin() + static_cast<std::ptrdiff_t>(tool.count));
 		}
 	}
-	return rest;
+	return remaining;
 }
 
 bool contains(const Disk &disk, glm::dvec2 position) {
@@ -166,9 +167,9 @@ std::vector<Disk> random_disks(std::mt19937_64 &random, int count) {
 	std::vector<Disk> disks;
 	for (int i = 0; i < count; ++i) {
 		const double radius = unit(random) < 0.7 ? 1.0 : 2.0;
-		const double away = 1.0 + (radius + 1.0) * unit(random);
+		const double distance = 1.0 + (radius + 1.0) * unit(random);
 		const double angle = 2.0 * std::numbers::pi * unit(random);
-		disks.push_back({away * glm::dvec2(std::cos(angle), std::sin(angle)), radius});
+		disks.push_back({distance * glm::dvec2(std::cos(angle), std::sin(angle)), radius});
 	}
 	return disks;
 }
@@ -202,7 +203,7 @@ void check_positions(const ScallopedSector &sector, const std::vector<Disk> &dis
 /// center is free.
 double counted_area(const std::vector<Disk> &disks, int squares_a_side) {
 	const double width = 4.0 / squares_a_side;
-	int inside = 0;
+	int inside_count = 0;
 	for (int y = 0; y < squares_a_side; ++y) {
 		for (int x = 0; x < squares_a_side; ++x) {
 			const glm::dvec2 position((x + 0.5) * width - 2.0, (y + 0.5) * width - 2.0);
@@ -210,10 +211,10 @@ double counted_area(const std::vector<Disk> &disks, int squares_a_side) {
 			for (std::size_t i = 0; i < disks.size() && free; ++i) {
 				free = !contains(disks[i], position);
 			}
-			inside += free ? 1 : 0;
+			inside_count += free ? 1 : 0;
 		}
 	}
-	return inside * width * width;
+	return inside_count * width * width;
 }
 
 } // namespace
@@ -321,15 +322,15 @@ TEST_CASE("baselines: the domain check finds a missing point, an extra point and
 	// On a bounded domain, the same points leave gaps at the border.
 	CHECK(BaselineCheck::run(points, {.size = glm::dvec2(side)}).gaps > 0);
 	for (std::size_t i = 0; i < points.size(); ++i) {
-		std::vector<glm::dvec2> changed = points;
-		changed.erase(changed.begin() + static_cast<std::ptrdiff_t>(i));
-		CHECK(check_torus(changed, side, 1e-9).gaps > 0);
-		CHECK(check_torus(changed, side, 1e-9).too_close == 0);
-		changed.push_back(glm::mod(points[i] + glm::dvec2(0.4, 0.5), side));
-		changed.push_back(points[i]);
-		CHECK(check_torus(changed, side, 1e-9).too_close > 0);
-		changed.back().x = side;
-		CHECK(check_torus(changed, side, 1e-9).outside == 1);
+		std::vector<glm::dvec2> changed_points = points;
+		changed_points.erase(changed_points.begin() + static_cast<std::ptrdiff_t>(i));
+		CHECK(check_torus(changed_points, side, 1e-9).gaps > 0);
+		CHECK(check_torus(changed_points, side, 1e-9).too_close == 0);
+		changed_points.push_back(glm::mod(points[i] + glm::dvec2(0.4, 0.5), side));
+		changed_points.push_back(points[i]);
+		CHECK(check_torus(changed_points, side, 1e-9).too_close > 0);
+		changed_points.back().x = side;
+		CHECK(check_torus(changed_points, side, 1e-9).outside == 1);
 	}
 	CHECK(check_torus({}, side, 1e-9).gaps > 0);
 }

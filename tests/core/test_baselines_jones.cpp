@@ -42,9 +42,9 @@ double reach(const std::vector<glm::dvec2> &neighbors, double angle) {
 }
 
 /// Returns the free area between two directions, integrated over thin sectors.
-double free_area(const std::vector<glm::dvec2> &neighbors, double from, double to) {
+double free_area(const std::vector<glm::dvec2> &neighbors, double from, double end) {
 	constexpr int sectors = 100000;
-	const double step = (to - from) / sectors;
+	const double step = (end - from) / sectors;
 	double area = 0.0;
 	for (int i = 0; i < sectors; ++i) {
 		const double r = reach(neighbors, from + (i + 0.5) * step);
@@ -74,11 +74,11 @@ TEST_CASE("jones: free areas of cells are exact, even the smallest") {
 
 	// A square whose corners are barely outside the disk. Each free corner is nearly a right
 	// triangle whose legs lie on two edges of the square.
-	for (const double beyond : {1e-4, 1e-6, 1e-8}) {
-		const double distance = std::numbers::sqrt2 * (1.0 + beyond);
+	for (const double excess : {1e-4, 1e-6, 1e-8}) {
+		const double distance = std::numbers::sqrt2 * (1.0 + excess);
 		cell.assign({{distance, 0.0}, {0.0, distance}, {-distance, 0.0}, {0.0, -distance}});
-		const double expected = 4.0 * beyond * beyond;
-		CHECK(std::abs(cell.area() / expected - 1.0) < 2.0 * beyond + 1e-7);
+		const double expected = 4.0 * excess * excess;
+		CHECK(std::abs(cell.area() / expected - 1.0) < 2.0 * excess + 1e-7);
 	}
 }
 
@@ -90,17 +90,17 @@ TEST_CASE("jones: darts in a cell are uniform over its free area") {
 	Xoroshiro random(1);
 	std::array<int, sectors> inner{}; // Darts in the half of the sector's area next to the disk.
 	std::array<int, sectors> outer{};
-	int outside = 0;
+	int outside_count = 0;
 	for (int i = 0; i < darts; ++i) {
 		const glm::dvec2 dart = cell.draw(random);
 		const double turn = std::atan2(dart.y, dart.x) / (2.0 * std::numbers::pi);
 		const double edge = reach(all_kinds, std::atan2(dart.y, dart.x));
 		const double squared = glm::dot(dart, dart);
-		outside += squared < 1.0 - 1e-15 || squared > edge * edge + 1e-12 ? 1 : 0;
+		outside_count += squared < 1.0 - 1e-15 || squared > edge * edge + 1e-12 ? 1 : 0;
 		const auto sector = static_cast<std::size_t>((turn + 1.0) * sectors) % sectors;
 		++(2.0 * squared < 1.0 + edge * edge ? inner : outer)[sector];
 	}
-	CHECK(outside == 0);
+	CHECK(outside_count == 0);
 	for (std::size_t i = 0; i < sectors; ++i) {
 		CAPTURE(i);
 		const double width = 2.0 * std::numbers::pi / sectors;
@@ -138,16 +138,16 @@ TEST_CASE("jones: the second dart is uniform outside of the first disk") {
 	constexpr double side = 4.0;
 	constexpr double ring = 1.6;
 	constexpr int sets = 1500;
-	int near = 0;
+	int near_count = 0;
 	for (std::uint64_t seed = 0; seed < sets; ++seed) {
 		const std::vector<glm::dvec2> points = sample(side, seed);
 		const glm::dvec2 straight = points[1] - points[0];
 		const glm::dvec2 offset = straight - side * glm::round(straight / side);
-		near += glm::dot(offset, offset) < ring * ring ? 1 : 0;
+		near_count += glm::dot(offset, offset) < ring * ring ? 1 : 0;
 	}
 	const double expected = std::numbers::pi * (ring * ring - 1.0) / (side * side - std::numbers::pi);
 	const double error = std::sqrt(expected * (1.0 - expected) / sets);
-	CHECK(std::abs(static_cast<double>(near) / sets - expected) < 4.0 * error);
+	CHECK(std::abs(static_cast<double>(near_count) / sets - expected) < 4.0 * error);
 }
 
 TEST_CASE("jones: coverage matches dart throwing") {

@@ -89,14 +89,14 @@ struct TamperedRun {
 	RunOptions options = small_run(tile);
 	Digest digest = run_untampered(options).found.digest;
 	/// Cells in the middle row of a tile: one with a point and one without.
-	glm::ivec2 taken{0}, open{0};
+	glm::ivec2 taken_cell{0}, open{0};
 
 	TamperedRun() {
 		Points points;
 		TileSampler sampler;
 		REQUIRE(sampler.sample(options.set(), {{0.0, 0.0}, {tile, tile}}, points).ok());
 		for (glm::ivec2 cell(0, tile / 2); cell.x < tile; ++cell.x) {
-			(find(points, cell) != points.end() ? taken : open) = cell;
+			(find(points, cell) != points.end() ? taken_cell : open) = cell;
 		}
 	}
 
@@ -108,7 +108,7 @@ struct TamperedRun {
 	/// Calls `tamper` for every list that contains the point.
 	Outcome run(const Tamper &tamper) const {
 		const Outcome outcome = run_tampered(options, [&](const Rect &rect, Points &r_points) {
-			if (const auto found = find(r_points, taken); found != r_points.end()) {
+			if (const auto found = find(r_points, taken_cell); found != r_points.end()) {
 				tamper(rect, r_points, found);
 			}
 		});
@@ -167,10 +167,10 @@ TEST_CASE("billion: a pair that is too close is detected inside a tile, across i
 			CHECK(close.found.too_close == 1);
 			CHECK(close.found.min_squared_distance < std::int64_t{radius_squared});
 
-			const glm::ivec2 away = glm::sign(b - a) * 2; // The second point is at the radius or just beyond it.
-			const Outcome apart = check_by_hand(small_run(16, order), {a, b + away});
-			CHECK(apart.found.too_close == 0);
-			CHECK(apart.found.min_squared_distance >= std::int64_t{radius_squared});
+			const glm::ivec2 direction = glm::sign(b - a) * 2; // The second point is at the radius or just beyond it.
+			const Outcome separated = check_by_hand(small_run(16, order), {a, b + direction});
+			CHECK(separated.found.too_close == 0);
+			CHECK(separated.found.min_squared_distance >= std::int64_t{radius_squared});
 		}
 	}
 	CHECK(check_by_hand(small_run(16), {{-1, -1}, {unit_cell - 1, unit_cell - 1}}).found.too_close == 0);
@@ -185,26 +185,26 @@ TEST_CASE("billion: all pair distances match brute force, for any tiles, order a
 			points.push_back((glm::ivec2(cell % 64, cell / 64) - 32) * unit_cell + inside);
 		}
 	}
-	Findings truth;
+	Findings expected;
 	for (std::size_t i = 0; i < points.size(); ++i) {
 		for (std::size_t j = 0; j < i; ++j) {
 			const glm::i64vec2 offset(points[i] - points[j]);
 			const std::int64_t squared = offset.x * offset.x + offset.y * offset.y;
 			const glm::ivec2 cells = glm::abs((points[i] >> lattice_bits) - (points[j] >> lattice_bits));
-			truth.pairs += cells.x <= 2 && cells.y <= 2 ? 1 : 0;
-			truth.too_close += squared < std::int64_t{radius_squared} ? 1 : 0;
-			truth.min_squared_distance = std::min(truth.min_squared_distance, squared);
+			expected.pairs += cells.x <= 2 && cells.y <= 2 ? 1 : 0;
+			expected.too_close += squared < std::int64_t{radius_squared} ? 1 : 0;
+			expected.min_squared_distance = std::min(expected.min_squared_distance, squared);
 		}
 	}
-	REQUIRE(truth.too_close > 100);
+	REQUIRE(expected.too_close > 100);
 	for (const TileOrder order : all_orders) {
 		for (const std::int32_t tile : {16, 17, 21, 31, 40, 64}) {
 			for (const unsigned threads : {1u, 3u}) {
 				const Outcome outcome = check_by_hand(small_run(tile, order, threads), points);
 				CHECK(outcome.found.points == points.size());
-				CHECK(outcome.found.pairs == truth.pairs);
-				CHECK(outcome.found.too_close == truth.too_close);
-				CHECK(outcome.found.min_squared_distance == truth.min_squared_distance);
+				CHECK(outcome.found.pairs == expected.pairs);
+				CHECK(outcome.found.too_close == expected.too_close);
+				CHECK(outcome.found.min_squared_distance == expected.min_squared_distance);
 				CHECK(outcome.tiles_finished == small_run(tile).region().tiles());
 			}
 		}
@@ -245,15 +245,16 @@ TEST_CASE("billion: missing and added points are detected") {
 	CHECK(missing_in_tile.gaps.uncovered > 0);
 	CHECK(missing_in_tile.gaps.changed == 1);
 
-	const Outcome planted = tampered.run(
+	const Outcome close_pair = tampered.run(
 			[&](const Rect &, auto &r_points, auto) { r_points.push_back(point_at(tampered.open * unit_cell)); });
-	CHECK(planted.found.too_close > 0);
+	CHECK(close_pair.found.too_close > 0);
 }
 
 TEST_CASE("billion: repeated, moved and renamed points are detected") {
 	const TamperedRun tampered;
-	const Outcome twice = tampered.run([](const Rect &, auto &r_points, auto found) { r_points.push_back(*found); });
-	CHECK(twice.found.doubled == 1);
+	const Outcome repeated_point =
+			tampered.run([](const Rect &, auto &r_points, auto found) { r_points.push_back(*found); });
+	CHECK(repeated_point.found.doubled == 1);
 
 	const Outcome off_lattice =
 			tampered.run([](const Rect &, auto &, auto found) { found->position.x += 1.0 / (4 * unit_cell); });

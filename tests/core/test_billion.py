@@ -22,9 +22,9 @@ SAME = ["points", "side_cells", "least_squared", "pairs", "coverage", "coverage_
 
 
 def billion(core_tool, *arguments: str, expected: int = 0, timeout: float = 300) -> dict:
-    done = core_tool("bench/billion", *arguments, timeout=timeout)
-    assert done.returncode == expected, done.stdout + done.stderr
-    return json.loads(done.stdout)
+    result = core_tool("bench/billion", *arguments, timeout=timeout)
+    assert result.returncode == expected, result.stdout + result.stderr
+    return json.loads(result.stdout)
 
 
 @pytest.fixture(scope="module")
@@ -109,15 +109,15 @@ def test_the_source_names_every_key():
     + ["order=random", "threads=0", "threads=257", "verify=maybe", "gaps=-1", "color=green", "points", ""],
 )
 def test_wrong_arguments_are_rejected(build_dir, argument):
-    done = run([build_dir / "bench/billion", argument], timeout=60)
-    assert done.returncode == 2
-    assert done.stdout == ""
-    assert "usage: billion" in done.stderr
-    assert argument.split("=")[0] in done.stderr
+    result = run([build_dir / "bench/billion", argument], timeout=60)
+    assert result.returncode == 2
+    assert result.stdout == ""
+    assert "usage: billion" in result.stderr
+    assert argument.split("=")[0] in result.stderr
 
 
 @pytest.mark.full
 def test_a_hundred_million_points_fulfill_every_guarantee(core_tool):
-    made = [billion(core_tool, "points=1e8", f"order={order}", timeout=3600) for order in ("rows", "shuffled")]
-    assert all(one["broken"] == [] and one["points"] > 100_000_000 for one in made), made
-    assert made[0]["digest"] == made[1]["digest"]
+    runs = [billion(core_tool, "points=1e8", f"order={order}", timeout=3600) for order in ("rows", "shuffled")]
+    assert all(each_run["broken"] == [] and each_run["points"] > 100_000_000 for each_run in runs), runs
+    assert runs[0]["digest"] == runs[1]["digest"]

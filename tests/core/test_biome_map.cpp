@@ -145,8 +145,8 @@ TEST_CASE("biome map: the biomes of a rectangle are complete, and only one biome
 			}
 		}
 		CHECK(map.biomes_in({{-80.0, -60.0}, {-60.0, -20.0}}) == biome_bit(0));
-		const BiomeSet outside = edge == BiomeEdge::nothing ? biome_bit(no_biome) : biome_bit(1);
-		CHECK(map.biomes_in({{500.0, -60.0}, {600.0, -20.0}}) == outside);
+		const BiomeSet outside_biomes = edge == BiomeEdge::nothing ? biome_bit(no_biome) : biome_bit(1);
+		CHECK(map.biomes_in({{500.0, -60.0}, {600.0, -20.0}}) == outside_biomes);
 		CHECK(map.biomes_in({{-infinite_value, 0.0}, {infinite_value, 1.0}}) ==
 				(biome_bit(0) | biome_bit(1) | biome_bit(2) | biome_bit(no_biome)));
 	}
@@ -179,20 +179,21 @@ TEST_CASE("biome map: rejects invalid images and borders, and stays unchanged") 
 	BiomeMap map = map_of(image());
 	const BiomeMap before = map;
 	const Pixels pixels = image();
-	const Pixels one{0};
-	const auto set = [&map](glm::ivec2 of, const Pixels &given, const Rect &rect, const BiomeBorders &borders) {
-		return map.set(of, given, rect, BiomeEdge::clamp, borders);
+	const Pixels single_pixel{0};
+	const auto set = [&map](glm::ivec2 resolution, const Pixels &given, const Rect &rect, const BiomeBorders &borders) {
+		return map.set(resolution, given, rect, BiomeEdge::clamp, borders);
 	};
 	check_refused(set({0, 1}, {}, area, {}), ErrorCode::out_of_range, "size", 0.0);
 	check_refused(set({1, max_biome_map_pixels + 1}, {}, area, {}), ErrorCode::out_of_range, "size", 8193.0);
-	check_refused(set({2, 1}, one, area, {}), ErrorCode::wrong_size, "pixels", 1.0);
+	check_refused(set({2, 1}, single_pixel, area, {}), ErrorCode::wrong_size, "pixels", 1.0);
 	check_refused(set({1, 1}, {32}, area, {}), ErrorCode::out_of_range, "pixels", 32.0);
-	check_refused(set({1, 1}, one, {{0.0, 0.0}, {0.0, 1.0}}, {}), ErrorCode::not_positive, "rect", 0.0);
-	check_refused(set({1, 1}, one, area, {.width = -1.0}), ErrorCode::out_of_range, "border_width", -1.0);
-	check_refused(set({1, 1}, one, area, {.noise = 2e4}), ErrorCode::out_of_range, "border_noise", 2e4);
-	check_refused(set({1, 1}, one, area, {.noise_size = 0.5}), ErrorCode::out_of_range, "border_noise_size", 0.5);
+	check_refused(set({1, 1}, single_pixel, {{0.0, 0.0}, {0.0, 1.0}}, {}), ErrorCode::not_positive, "rect", 0.0);
+	check_refused(set({1, 1}, single_pixel, area, {.width = -1.0}), ErrorCode::out_of_range, "border_width", -1.0);
+	check_refused(set({1, 1}, single_pixel, area, {.noise = 2e4}), ErrorCode::out_of_range, "border_noise", 2e4);
 	check_refused(
-			set({1, 1}, one, area, {.width = infinite_value}), ErrorCode::not_finite, "border_width", infinite_value);
+			set({1, 1}, single_pixel, area, {.noise_size = 0.5}), ErrorCode::out_of_range, "border_noise_size", 0.5);
+	check_refused(set({1, 1}, single_pixel, area, {.width = infinite_value}), ErrorCode::not_finite, "border_width",
+			infinite_value);
 	CHECK(map == before);
 	CHECK(map == map_of(pixels));
 }
@@ -217,8 +218,8 @@ TEST_CASE("edits of a biome map: nothing changes outside of the edited areas, wh
 	// The changed pixels cover 12 x 12 m, and each piece extends 11 m beyond them.
 	CHECK(edited < 4.0 * 34.2 * 34.2);
 	for (const glm::dvec2 at : random_positions(20000, 5)) {
-		const bool inside = std::ranges::any_of(areas, [at](const Rect &rect) { return rect.contains(at); });
-		CHECK((inside || taps(before, at) == taps(after, at)));
+		const bool is_inside = std::ranges::any_of(areas, [at](const Rect &rect) { return rect.contains(at); });
+		CHECK((is_inside || taps(before, at) == taps(after, at)));
 	}
 }
 
@@ -261,9 +262,9 @@ TEST_CASE("edits of a biome map: different borders or edges may change everythin
 TEST_CASE("biome map: no noise is computed away from borders") {
 	// At these positions, the coordinates in noise cells would overflow.
 	const BiomeMap map = map_of(image(), {.width = 6.0, .noise = 8.0, .noise_size = 1.0}, BiomeEdge::clamp);
-	for (const glm::dvec2 far : {glm::dvec2(1e308, 0.0), glm::dvec2(-1e308, 20.0)}) {
+	for (const glm::dvec2 distant : {glm::dvec2(1e308, 0.0), glm::dvec2(-1e308, 20.0)}) {
 		BiomeTaps taps{};
-		CHECK_FALSE(test::overflows([&] { map.taps_at(far, taps); }));
-		CHECK(taps[0] == (far.x > 0.0 ? 1 : 0));
+		CHECK_FALSE(test::overflows([&] { map.taps_at(distant, taps); }));
+		CHECK(taps[0] == (distant.x > 0.0 ? 1 : 0));
 	}
 }

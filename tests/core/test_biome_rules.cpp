@@ -91,20 +91,20 @@ EditedArea edits(const LayerSettings &before, const LayerSettings &after) {
 void check_reach(const LayerSettings &before, const LayerSettings &after, const Terrain &terrain, double large_part) {
 	const EditedArea area = edits(before, after);
 	REQUIRE_FALSE(area.everywhere);
-	const auto was = standing(before, terrain, everything);
-	const auto is = standing(after, terrain, everything);
-	std::size_t changed = 0;
+	const auto previous = standing(before, terrain, everything);
+	const auto current = standing(after, terrain, everything);
+	std::size_t changed_count = 0;
 	const auto check = [&](const auto &from, const auto &other) {
 		for (const auto &[id, position] : from) {
 			if (!other.contains(id)) {
-				++changed;
+				++changed_count;
 				CHECK(area.touches({{position.x, position.z}, {position.x, position.z}}));
 			}
 		}
 	};
-	check(was, is);
-	check(is, was);
-	CHECK(changed > 50);
+	check(previous, current);
+	check(current, previous);
+	CHECK(changed_count > 50);
 	double size = 0.0;
 	for (const Rect &rect : area.areas) {
 		size += rect.size().x * rect.size().y;
@@ -118,25 +118,25 @@ TEST_CASE("a layer's biome: instances exist only in the biome, thinned by the de
 	LayerSettings layer = grass();
 	const auto all = standing(layer, ground, everything);
 	layer.rules.biome = densities(map_with(2, {}), {1.0F, 0.0F, 0.25F});
-	const auto some = standing(layer, ground, everything);
-	std::size_t left = 0;
+	const auto filtered = standing(layer, ground, everything);
+	std::size_t remaining_count = 0;
 	std::size_t patch = 0;
-	for (const auto &[id, position] : some) {
+	for (const auto &[id, position] : filtered) {
 		REQUIRE(all.contains(id));
 		CHECK(all.at(id) == position);
 		const bool in_patch = position.x >= 64.0 && position.x < 112.0 && position.z >= -40.0 && position.z < 0.0;
 		CHECK((in_patch || (position.x >= -160.0 && position.x < 0.0 && std::abs(position.z) <= 120.0)));
-		(in_patch ? patch : left) += 1;
+		(in_patch ? patch : remaining_count) += 1;
 	}
-	const double per_area = static_cast<double>(left) / (160.0 * 240.0);
+	const double per_area = static_cast<double>(remaining_count) / (160.0 * 240.0);
 	CHECK(static_cast<double>(patch) / (48.0 * 40.0) == doctest::Approx(0.25 * per_area).epsilon(0.15));
 }
 
 TEST_CASE("a layer's biome: layers of two biomes that share a border fill it together, once") {
 	const SharedMap map = map_with(1, {.width = 40.0});
-	const auto left = densities(map, {1.0F, 0.0F, 0.0F});
+	const auto first_density = densities(map, {1.0F, 0.0F, 0.0F});
 	const auto right = densities(map, {0.0F, 1.0F, 0.0F});
-	const auto both = densities(map, {1.0F, 1.0F, 0.0F});
+	const auto both_densities = densities(map, {1.0F, 1.0F, 0.0F});
 	std::vector<glm::dvec2> positions;
 	for (double x = -40.0; x < 40.0; x += 0.37) {
 		positions.emplace_back(x, 1.5 * x);
@@ -146,9 +146,9 @@ TEST_CASE("a layer's biome: layers of two biomes that share a border fill it tog
 		REQUIRE(field.sample(positions, result).ok());
 		return result;
 	};
-	const auto l = sampled(*left);
+	const auto l = sampled(*first_density);
 	const auto r = sampled(*right);
-	const auto b = sampled(*both);
+	const auto b = sampled(*both_densities);
 	std::size_t mixed = 0;
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		CHECK(l[i] + r[i] == 1.0F);
@@ -167,23 +167,23 @@ TEST_CASE("a layer's biome: a position alone and one among many are bit-identica
 	std::vector<float> many(positions.size());
 	REQUIRE(field->sample(positions, many).ok());
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		float one = -1.0F;
-		REQUIRE(field->sample(std::span(positions).subspan(i, 1), {&one, 1}).ok());
-		CHECK(one == many[i]);
+		float density = -1.0F;
+		REQUIRE(field->sample(std::span(positions).subspan(i, 1), {&density, 1}).ok());
+		CHECK(density == many[i]);
 	}
-	const glm::dvec2 nowhere(std::nan(""), 0.0);
-	float one = -1.0F;
-	REQUIRE(field->sample({&nowhere, 1}, {&one, 1}).ok());
-	CHECK(one == 0.0F);
+	const glm::dvec2 invalid_position(std::nan(""), 0.0);
+	float density = -1.0F;
+	REQUIRE(field->sample({&invalid_position, 1}, {&density, 1}).ok());
+	CHECK(density == 0.0F);
 }
 
 TEST_CASE("a layer's biome: no points are sampled outside the biome") {
 	LayerSettings layer = grass();
 	layer.rules.biome = densities(map_with(1), {1.0F, 0.0F, 0.0F});
-	const TileInstances there = built(layer, ground, {{-100.0, 0.0}, {-60.0, 40.0}});
-	const TileInstances elsewhere = built(layer, ground, {{60.0, 0.0}, {100.0, 40.0}});
-	CHECK(there.counts.sampled > 300);
-	CHECK(elsewhere.counts.sampled == 0);
+	const TileInstances mirrored = built(layer, ground, {{-100.0, 0.0}, {-60.0, 40.0}});
+	const TileInstances outside_tile = built(layer, ground, {{60.0, 0.0}, {100.0, 40.0}});
+	CHECK(mirrored.counts.sampled > 300);
+	CHECK(outside_tile.counts.sampled == 0);
 }
 
 TEST_CASE("water: without water, layers are unchanged, and water layers are empty") {

@@ -35,9 +35,10 @@ Rect tile_of(const PointSet &set, double radii, int x, int y) {
 }
 
 /// Samples all tiles of a square around a tile, row by row.
-void walk(TileSampler &sampler, const PointSet &set, double radii, glm::ivec2 around, int reach, const auto &check) {
-	for (int y = around.y - reach; y <= around.y + reach; ++y) {
-		for (int x = around.x - reach; x <= around.x + reach; ++x) {
+void walk(
+		TileSampler &sampler, const PointSet &set, double radii, glm::ivec2 center_cell, int reach, const auto &check) {
+	for (int y = center_cell.y - reach; y <= center_cell.y + reach; ++y) {
+		for (int x = center_cell.x - reach; x <= center_cell.x + reach; ++x) {
 			const Rect tile = tile_of(set, radii, x, y);
 			check(tile, points_in(sampler, set, tile));
 		}
@@ -49,9 +50,9 @@ void walk(TileSampler &sampler, const PointSet &set, double radii, glm::ivec2 ar
 TEST_CASE("Windows from cached blocks return the same points in the same order") {
 	std::mt19937 random(5); // NOLINT(cert-msc32-c,cert-msc51-cpp): the same windows in every run.
 	const auto cache = std::make_shared<BlockCache>(std::size_t{1} << 18);
-	TileSampler with({}, cache);
-	TileSampler without;
-	std::uint64_t taken = 0;
+	TileSampler cached({}, cache);
+	TileSampler uncached;
+	std::uint64_t taken_count = 0;
 	for (const PointSet &set :
 			{PointSet{.seed = 1, .radius = 1.0, .levels = 1}, PointSet{.seed = 1, .radius = 1.0, .levels = 4},
 					PointSet{.seed = 2, .radius = 3.7, .levels = 1, .layer = 9},
@@ -62,63 +63,63 @@ TEST_CASE("Windows from cached blocks return the same points in the same order")
 			const glm::dvec2 corner(coordinate(random), coordinate(random));
 			const Rect rect{corner, corner + glm::dvec2(size(random), size(random))};
 			CAPTURE(i);
-			CHECK(points_in(with, set, rect) == points_in(without, set, rect));
-			taken += with.stats().computed == 0 && with.stats().kept > 0 ? 1 : 0;
+			CHECK(points_in(cached, set, rect) == points_in(uncached, set, rect));
+			taken_count += cached.stats().computed == 0 && cached.stats().kept > 0 ? 1 : 0;
 		}
 	}
-	CHECK(taken > 100);
+	CHECK(taken_count > 100);
 }
 
 TEST_CASE("Tiles that touch a cached block are not computed again") {
 	const PointSet set{.seed = 7, .radius = 2.0};
-	TileSampler with({}, std::make_shared<BlockCache>());
-	TileSampler without;
+	TileSampler cached({}, std::make_shared<BlockCache>());
+	TileSampler uncached;
 	std::uint64_t computed_with = 0;
 	std::uint64_t computed_without = 0;
-	walk(with, set, 10.0, {20, -30}, 16, [&](const Rect &tile, const std::vector<SamplePoint> &points) {
-		computed_with += with.stats().computed;
-		CHECK(points == points_in(without, set, tile));
-		computed_without += without.stats().computed;
+	walk(cached, set, 10.0, {20, -30}, 16, [&](const Rect &tile, const std::vector<SamplePoint> &points) {
+		computed_with += cached.stats().computed;
+		CHECK(points == points_in(uncached, set, tile));
+		computed_without += uncached.stats().computed;
 	});
 	CHECK(computed_with < computed_without);
-	walk(with, set, 10.0, {20, -30}, 15, [&](const Rect &, const std::vector<SamplePoint> &points) {
-		CHECK(with.stats().computed == 0);
-		CHECK(with.stats().kept == points.size());
+	walk(cached, set, 10.0, {20, -30}, 15, [&](const Rect &, const std::vector<SamplePoint> &points) {
+		CHECK(cached.stats().computed == 0);
+		CHECK(cached.stats().kept == points.size());
 	});
 }
 
 TEST_CASE("A single window costs the same as without cached blocks") {
 	const PointSet set{.seed = 7, .radius = 2.0};
-	TileSampler with({}, std::make_shared<BlockCache>());
-	TileSampler without;
+	TileSampler cached({}, std::make_shared<BlockCache>());
+	TileSampler uncached;
 	for (int i = 0; i < 10; ++i) {
 		const Rect tile = tile_of(set, 16.0, 100 * i, -70 * i);
-		CHECK(points_in(with, set, tile) == points_in(without, set, tile));
-		CHECK(with.stats().computed == without.stats().computed);
+		CHECK(points_in(cached, set, tile) == points_in(uncached, set, tile));
+		CHECK(cached.stats().computed == uncached.stats().computed);
 	}
 }
 
 TEST_CASE("A block next to a cached block is generated for the first window that touches it") {
 	const PointSet set{.seed = 7, .radius = 2.0};
-	TileSampler with({}, std::make_shared<BlockCache>());
-	TileSampler without;
+	TileSampler cached({}, std::make_shared<BlockCache>());
+	TileSampler uncached;
 	const double block = SettledBlock::width * static_cast<double>(cell_size) * lattice_unit(set);
 	const auto window = [&](double x, double y) {
 		const glm::dvec2 corner(block * x, block * y);
 		return Rect{corner, corner + 0.1 * block};
 	};
 	const auto is_settled = [&](const Rect &rect) {
-		CHECK(points_in(with, set, rect) == points_in(without, set, rect));
-		return with.stats().computed != without.stats().computed;
+		CHECK(points_in(cached, set, rect) == points_in(uncached, set, rect));
+		return cached.stats().computed != uncached.stats().computed;
 	};
 	CHECK_FALSE(is_settled(window(0.5, 0.5)));
 	// An adjacent block was requested only once, so it has not been generated.
 	CHECK_FALSE(is_settled(window(1.5, 0.5)));
 	CHECK(is_settled(window(0.5, 0.7)));
 	CHECK(is_settled(window(0.5, 1.5)));
-	CHECK(with.stats().computed > 0);
+	CHECK(cached.stats().computed > 0);
 	CHECK(is_settled(window(0.7, 1.7)));
-	CHECK(with.stats().computed == 0);
+	CHECK(cached.stats().computed == 0);
 	CHECK_FALSE(is_settled(window(2.5, 2.5))); // This window touches other windows only at a corner.
 }
 
@@ -127,11 +128,11 @@ TEST_CASE("Cached blocks stay within the memory limit, and the most recently use
 	const auto cache = std::make_shared<BlockCache>(limit);
 	TileSampler sampler({}, cache);
 	const PointSet set{.seed = 3, .radius = 1.0};
-	std::size_t most = 0;
+	std::size_t max_bytes = 0;
 	walk(sampler, set, 10.0, {0, 0}, 17,
-			[&](const Rect &, const std::vector<SamplePoint> &) { most = std::max(most, cache->bytes()); });
-	CHECK(most <= limit);
-	CHECK(most > limit / 2);
+			[&](const Rect &, const std::vector<SamplePoint> &) { max_bytes = std::max(max_bytes, cache->bytes()); });
+	CHECK(max_bytes <= limit);
+	CHECK(max_bytes > limit / 2);
 	points_in(sampler, set, tile_of(set, 10.0, 17, 17));
 	CHECK(sampler.stats().computed == 0);
 	points_in(sampler, set, tile_of(set, 10.0, -17, -17));
@@ -140,15 +141,15 @@ TEST_CASE("Cached blocks stay within the memory limit, and the most recently use
 
 TEST_CASE("Windows at the set's last cells are filled from blocks, too") {
 	const PointSet set{.seed = 11, .radius = 1.0};
-	TileSampler with({}, std::make_shared<BlockCache>());
-	TileSampler without;
+	TileSampler cached({}, std::make_shared<BlockCache>());
+	TileSampler uncached;
 	const double end = cell_limit * cell_size * lattice_unit(set);
 	for (const double low : {-end, end - 16.0}) {
 		const Rect rect{{low, low}, {low + 16.0, low + 16.0}};
 		for (int i = 0; i < 3; ++i) {
-			CHECK(points_in(with, set, rect) == points_in(without, set, rect));
+			CHECK(points_in(cached, set, rect) == points_in(uncached, set, rect));
 		}
-		CHECK(with.stats().computed == 0);
+		CHECK(cached.stats().computed == 0);
 	}
 }
 
@@ -172,21 +173,21 @@ TEST_CASE("Threads that share blocks get the same points") {
 	std::vector<std::vector<std::vector<SamplePoint>>> found(4);
 	{
 		std::vector<std::jthread> threads;
-		for (std::vector<std::vector<SamplePoint>> &mine : found) {
+		for (std::vector<std::vector<SamplePoint>> &points : found) {
 			threads.emplace_back([&] {
 				TileSampler sampler({}, cache);
 				for (int i = 0; i < 300; ++i) {
-					mine.emplace_back();
-					static_cast<void>(sampler.sample(set, tile_of(set, 15.0, i % 10, i / 10 % 10), mine.back()));
+					points.emplace_back();
+					static_cast<void>(sampler.sample(set, tile_of(set, 15.0, i % 10, i / 10 % 10), points.back()));
 				}
 			});
 		}
 	}
-	TileSampler without;
+	TileSampler uncached;
 	for (int i = 0; i < 300; ++i) {
-		const std::vector<SamplePoint> expected = points_in(without, set, tile_of(set, 15.0, i % 10, i / 10 % 10));
-		for (const auto &mine : found) {
-			CHECK(mine[static_cast<std::size_t>(i)] == expected);
+		const std::vector<SamplePoint> expected = points_in(uncached, set, tile_of(set, 15.0, i % 10, i / 10 % 10));
+		for (const auto &points : found) {
+			CHECK(points[static_cast<std::size_t>(i)] == expected);
 		}
 	}
 }
@@ -198,8 +199,8 @@ TEST_CASE("Without memory for a block, a window fails or is sampled directly, an
 		TileSampler sampler{{}, std::make_shared<BlockCache>()};
 		std::vector<SamplePoint> points;
 	};
-	TileSampler without;
-	const std::vector<SamplePoint> expected = points_in(without, set, rect);
+	TileSampler uncached;
+	const std::vector<SamplePoint> expected = points_in(uncached, set, rect);
 	fail_every_request(
 			"rect",
 			[&] {
@@ -217,14 +218,14 @@ TEST_CASE("Whole tiles are the same with cached blocks, even if layers depend on
 	LayerSettings plants = rich_layer();
 	plants.set = {.seed = 4, .radius = 2.0, .layer = 2};
 	plants.neighbors = {{std::make_shared<LayerSettings>(trees), 5.0, nullptr}};
-	TileBuilder with({}, std::make_shared<BlockCache>());
-	TileBuilder without;
+	TileBuilder cached({}, std::make_shared<BlockCache>());
+	TileBuilder uncached;
 	TileInstances cached, alone;
 	const Heightfield ground = hills();
 	for (int i = 0; i < 64; ++i) {
 		const Rect tile = tile_of(plants.set, 12.0, i % 8, i / 8);
-		REQUIRE(with.build(plants, ground, tile, cached).ok());
-		REQUIRE(without.build(plants, ground, tile, alone).ok());
+		REQUIRE(cached.build(plants, ground, tile, cached).ok());
+		REQUIRE(uncached.build(plants, ground, tile, alone).ok());
 		REQUIRE(cached.meshes.size() == alone.meshes.size());
 		for (std::size_t mesh = 0; mesh < cached.meshes.size(); ++mesh) {
 			CHECK(cached.meshes[mesh].buffer == alone.meshes[mesh].buffer);
@@ -240,12 +241,12 @@ TEST_CASE("Whole tiles take the points of their layer and of neighbor layers fro
 	LayerSettings plants = rich_layer();
 	plants.set = {.seed = 4, .radius = 2.0, .layer = 2};
 	const auto cache = std::make_shared<BlockCache>();
-	TileBuilder with({}, cache);
+	TileBuilder cached({}, cache);
 	TileInstances tile;
 	const Heightfield ground = hills();
 	const auto build = [&](double x) {
-		REQUIRE(with.build(plants, ground, {{x, 0.0}, {x + 12.0, 12.0}}, tile).ok());
-		return with.sample_stats().computed;
+		REQUIRE(cached.build(plants, ground, {{x, 0.0}, {x + 12.0, 12.0}}, tile).ok());
+		return cached.sample_stats().computed;
 	};
 	CHECK(build(0.0) > 0);
 	CHECK(build(12.0) > 0);

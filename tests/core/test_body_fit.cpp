@@ -144,24 +144,24 @@ TEST_CASE("body fit: the outermost points of a box are its corners") {
 
 TEST_CASE("body fit: the outermost points of a ball reach nearly its radius") {
 	std::mt19937_64 random(6);
-	std::normal_distribution<float> along;
+	std::normal_distribution<float> coordinate;
 	std::vector<glm::vec3> points;
 	for (int i = 0; i < 5000; ++i) {
-		points.push_back(glm::normalize(glm::vec3(along(random), along(random), along(random))));
+		points.push_back(glm::normalize(glm::vec3(coordinate(random), coordinate(random), coordinate(random))));
 	}
 	std::vector<glm::vec3> outermost = points;
 	keep_outermost(outermost, 64);
 	CHECK(outermost.size() <= 64);
 	CHECK(outermost.size() > 50);
 	for (const glm::vec3 &towards : points) {
-		float reach = 0.0f;
+		float max_distance = 0.0f;
 		for (const glm::vec3 &point : outermost) {
-			reach = std::max(reach, glm::dot(point, towards));
+			max_distance = std::max(max_distance, glm::dot(point, towards));
 		}
-		CHECK(reach > 0.9f);
+		CHECK(max_distance > 0.9f);
 	}
-	std::vector<glm::vec3> few(points.begin(), points.begin() + 64);
-	const std::vector<glm::vec3> same = few;
-	keep_outermost(few, 64);
-	CHECK(few == same);
+	std::vector<glm::vec3> few_points(points.begin(), points.begin() + 64);
+	const std::vector<glm::vec3> same = few_points;
+	keep_outermost(few_points, 64);
+	CHECK(few_points == same);
 }

@@ -60,20 +60,20 @@ class Sampler:
         assert self.handle.value
 
     def sample(self, rect=(0.0, 0.0, 20.0, 20.0), watch: Watch | None = None, **names) -> int:
-        made = Set(**{"seed": 1, "radius": 1.0, "levels": 1, **names})
-        return self.library.thicket_sample(self.handle, ctypes.byref(made), ctypes.byref(Rect(*rect)), watch and ctypes.byref(watch), None)
+        new_set = Set(**{"seed": 1, "radius": 1.0, "levels": 1, **names})
+        return self.library.thicket_sample(self.handle, ctypes.byref(new_set), ctypes.byref(Rect(*rect)), watch and ctypes.byref(watch), None)
 
     def fill(self, size=(20.0, 20.0), watch: Watch | None = None, **names) -> int:
-        made = Domain(*size, **{"radius": 1.0, "method": 2, **names})
-        return self.library.thicket_sample_domain(self.handle, ctypes.byref(made), watch and ctypes.byref(watch), None)
+        new_domain = Domain(*size, **{"radius": 1.0, "method": 2, **names})
+        return self.library.thicket_sample_domain(self.handle, ctypes.byref(new_domain), watch and ctypes.byref(watch), None)
 
     def count(self) -> int:
         return self.library.thicket_count(self.handle)
 
     def points(self, first: int, count: int) -> tuple[int, list[tuple]]:
         room = (Point * max(count, 1))()
-        given = self.library.thicket_read_points(self.handle, U64(first), U64(count), room)
-        return given, [(p.x, p.y, p.id, p.rank, p.level) for p in room[:count]]
+        status = self.library.thicket_read_points(self.handle, U64(first), U64(count), room)
+        return status, [(p.x, p.y, p.id, p.rank, p.level) for p in room[:count]]
 
     def positions(self, first: int, count: int) -> tuple[int, list[float]]:
         room = (ctypes.c_double * max(2 * count, 1))()
@@ -99,34 +99,34 @@ def folder(build_dir: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def library(folder: Path) -> ctypes.CDLL:
-    loaded = ctypes.CDLL(str(folder / "libthicket_c.so"))
-    loaded.thicket_sampler_new.restype = ctypes.c_void_p
-    loaded.thicket_message.restype = ctypes.c_char_p
-    loaded.thicket_count.restype = U64
-    return loaded
+    loaded_library = ctypes.CDLL(str(folder / "libthicket_c.so"))
+    loaded_library.thicket_sampler_new.restype = ctypes.c_void_p
+    loaded_library.thicket_message.restype = ctypes.c_char_p
+    loaded_library.thicket_count.restype = U64
+    return loaded_library
 
 
 @pytest.fixture
 def sampler(library: ctypes.CDLL):
-    made = Sampler(library)
-    yield made
-    library.thicket_sampler_free(made.handle)
+    new_sampler = Sampler(library)
+    yield new_sampler
+    library.thicket_sampler_free(new_sampler.handle)
 
 
 @pytest.fixture(scope="module")
 def program(folder: Path, tmp_path_factory) -> Path:
     made = tmp_path_factory.mktemp("c_api") / "points"
     command = ["gcc", "-std=c11", *STRICT, f"-I{folder}", REPO / "tests/c_api/points.c", folder / "libthicket_c.a", "-lstdc++", "-lm", "-o", made]
-    done = run(command, timeout=120)
-    assert done.returncode == 0, done.stderr
+    result = run(command, timeout=120)
+    assert result.returncode == 0, result.stderr
     return made
 
 
 @pytest.mark.parametrize("one", SETS, ids=lambda one: one.name)
 def test_a_program_in_c_prints_points(program, one):
-    done = run([program, one.seed, repr(one.radius), one.levels, one.layer, *map(repr, one.rect)], timeout=60)
-    assert done.returncode == 0 and not done.stderr, done.stderr
-    *points, last = done.stdout.splitlines()
+    result = run([program, one.seed, repr(one.radius), one.levels, one.layer, *map(repr, one.rect)], timeout=60)
+    assert result.returncode == 0 and not result.stderr, result.stderr
+    *points, last = result.stdout.splitlines()
     assert last == "digest {:016x} ranks {:016x}".format(*one.digests)
     assert len(points) > 100
     for x, y, *_ in map(str.split, points):
@@ -134,17 +134,17 @@ def test_a_program_in_c_prints_points(program, one):
 
 
 def test_a_program_in_c_prints_the_error(program):
-    done = run([program, 1, -2.5, 1, 0, 0, 0, 9, 9], timeout=60)
-    assert done.returncode != 0
-    assert done.stderr == f"error {code('NOT_POSITIVE')}: radius must be positive, got -2.5\n"
+    result = run([program, 1, -2.5, 1, 0, 0, 0, 9, 9], timeout=60)
+    assert result.returncode != 0
+    assert result.stderr == f"error {code('NOT_POSITIVE')}: radius must be positive, got -2.5\n"
 
 
 def test_the_example_in_the_readme_runs(folder, tmp_path):
     (example,) = re.findall(r"^```c\n(.*?)^```", (HEADER.parent / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     source, made = tmp_path / "example.c", tmp_path / "example"
     source.write_text(example)
-    done = run(["gcc", "-std=c11", *STRICT, f"-I{folder}", source, folder / "libthicket_c.a", "-lstdc++", "-lm", "-o", made], timeout=120)
-    assert done.returncode == 0, done.stderr
+    result = run(["gcc", "-std=c11", *STRICT, f"-I{folder}", source, folder / "libthicket_c.a", "-lstdc++", "-lm", "-o", made], timeout=120)
+    assert result.returncode == 0, result.stderr
     assert re.match(r"3\d{3} points; the first at -?\d", run([made], timeout=60).stdout)
 
 
@@ -152,22 +152,22 @@ def test_the_example_in_the_readme_runs(folder, tmp_path):
 def test_the_header_compiles_alone(compiler, tmp_path):
     unit = tmp_path / "unit.c"
     unit.write_text('#include "thicket.h"\nint main(void) { return (int)thicket_c_version() - THICKET_C_VERSION; }\n')
-    done = run([*compiler, *STRICT, f"-I{HEADER.parent}", "-fsyntax-only", unit], timeout=60)
-    assert done.returncode == 0, done.stderr
+    result = run([*compiler, *STRICT, f"-I{HEADER.parent}", "-fsyntax-only", unit], timeout=60)
+    assert result.returncode == 0, result.stderr
 
 
 def test_the_library_exports_only_what_the_header_declares(folder):
     listed = run(["nm", "-D", "--defined-only", folder / "libthicket_c.so"], timeout=60)
-    shown = {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines()}
-    assert shown == set(re.findall(r"\b(thicket_\w+)\([^)]*\) THICKET_NOEXCEPT", HEADER.read_text(encoding="utf-8"), re.DOTALL))
+    exported_names = {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines()}
+    assert exported_names == set(re.findall(r"\b(thicket_\w+)\([^)]*\) THICKET_NOEXCEPT", HEADER.read_text(encoding="utf-8"), re.DOTALL))
 
 
 @pytest.fixture(scope="module")
 def installed(folder: Path, tmp_path_factory) -> Path:
     """Returns a folder in which the library is installed."""
     prefix = tmp_path_factory.mktemp("c_install")
-    done = run(["scons", "-Q", "c_install", f"prefix={prefix}"], timeout=600, cwd=REPO)
-    assert done.returncode == 0, done.stdout + done.stderr
+    result = run(["scons", "-Q", "c_install", f"prefix={prefix}"], timeout=600, cwd=REPO)
+    assert result.returncode == 0, result.stdout + result.stderr
     return prefix
 
 
@@ -213,9 +213,9 @@ def example(tmp_path) -> Path:
 
 
 def assert_prints_points(program: Path, **options):
-    done = run([program], 60, **options)
-    assert done.returncode == 0, done.stderr
-    first, domain, error = done.stdout.splitlines()
+    result = run([program], 60, **options)
+    assert result.returncode == 0, result.stderr
+    first, domain, error = result.stdout.splitlines()
     assert first.split()[1] == "{:016x}".format(SETS[0].digests[0]) and int(first.split()[0]) > 100
     assert domain == "1" and error == f"{code('NOT_POSITIVE')} radius must be positive, got -1"
 
@@ -224,8 +224,8 @@ def assert_prints_points(program: Path, **options):
 def test_pkg_config_finds_the_installed_library(installed, example):
     env = {**os.environ, "PKG_CONFIG_PATH": str(installed / "lib/pkgconfig"), "LD_LIBRARY_PATH": str(installed / "lib")}
     flags = run(["pkg-config", "--cflags", "--libs", "thicket_c"], 60, env=env).stdout.split()
-    done = run(["g++", "-std=c++17", *STRICT, "example.cpp", *flags, "-o", "example"], 120, cwd=example)
-    assert done.returncode == 0, done.stderr
+    result = run(["g++", "-std=c++17", *STRICT, "example.cpp", *flags, "-o", "example"], 120, cwd=example)
+    assert result.returncode == 0, result.stderr
     assert_prints_points(example / "example", env=env)
     needed = run(["objdump", "-p", example / "example"], 60).stdout
     assert re.search(r"NEEDED\s+libthicket_c\.so\.1$", needed, re.MULTILINE), "the program requests the major version"
@@ -235,8 +235,8 @@ def test_cmake_finds_the_installed_library(installed, example):
     (example / "CMakeLists.txt").write_text(CMAKE)
     cmake = next(CACHE.glob("wheel-python*/bin/cmake"))
     for arguments in (["-B", "build", f"-DCMAKE_PREFIX_PATH={installed}"], ["--build", "build"]):
-        done = run([cmake, *arguments], 300, cwd=example)
-        assert done.returncode == 0, done.stdout + done.stderr
+        result = run([cmake, *arguments], 300, cwd=example)
+        assert result.returncode == 0, result.stdout + result.stderr
     assert_prints_points(example / "build/shared")
     assert_prints_points(example / "build/static")
 
@@ -273,9 +273,9 @@ def test_points_can_be_read_in_parts(sampler):
     assert sampler.points(7, 30) == (0, points[7:37])
     assert sampler.positions(7, 30) == (0, [number for point in points[7:37] for number in point[:2]])
     assert sampler.points(count, 0) == (0, [])
-    for first, asked, named in ((0, count + 1, "count"), (count + 1, 0, "first"), (1, 2**64 - 1, "count"), (2**64 - 1, 2, "first")):
-        given = sampler.library.thicket_read_points(sampler.handle, U64(first), U64(asked), None)
-        assert given == code("OUT_OF_RANGE") and sampler.message().startswith(f"{named} must be at most ")
+    for first, requested, parameter in ((0, count + 1, "count"), (count + 1, 0, "first"), (1, 2**64 - 1, "count"), (2**64 - 1, 2, "first")):
+        given = sampler.library.thicket_read_points(sampler.handle, U64(first), U64(requested), None)
+        assert given == code("OUT_OF_RANGE") and sampler.message().startswith(f"{parameter} must be at most ")
     assert sampler.count() == count, "an invalid request does not remove points"
 
 
@@ -372,13 +372,13 @@ def test_a_call_can_be_watched_and_canceled(sampler, work: Callable):
     assert len(seen) == 5 and seen == sorted(seen) and seen[-1][0] < 0.9
     assert inside == [code("BUSY"), "another call to this sampler is running", 0, 4711]
 
-    begun = threading.Event()
+    has_begun = threading.Event()
 
     def begin(user, fraction, points):
-        begun.set()
+        has_begun.set()
         return 0
 
-    canceller = threading.Thread(target=lambda: (begun.wait(), sampler.cancel()))
+    canceller = threading.Thread(target=lambda: (has_begun.wait(), sampler.cancel()))
     canceller.start()
     assert work(sampler, Watch(PROGRESS(begin), None)) == code("CANCELLED")
     canceller.join()
@@ -398,11 +398,11 @@ def test_samplers_on_threads_agree(library):
     digests: list = []
 
     def work():
-        own = Sampler(library)
+        separate = Sampler(library)
         for _ in range(5):
-            assert own.sample((-60.0, -45.0, 70.0, 52.5)) == 0
-            digests.append(own.digest())
-        library.thicket_sampler_free(own.handle)
+            assert separate.sample((-60.0, -45.0, 70.0, 52.5)) == 0
+            digests.append(separate.digest())
+        library.thicket_sampler_free(separate.handle)
 
     threads = [threading.Thread(target=work) for _ in range(4)]
     for thread in threads:

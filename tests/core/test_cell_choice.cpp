@@ -83,13 +83,13 @@ TEST_CASE("cell choice: moving back and forth within a tenth of a tile repeats n
 	for (const LodSettings &lod :
 			{LodSettings(), lods({40.0, 150.0}), lods({100.0}), lods({20.0, 21.0, 130.0}), lods({250.0})}) {
 		for (double middle = 0.0; middle < 300.0; middle += 1.0) {
-			std::uint32_t displayed = 0;
+			std::uint32_t displayed_count = 0;
 			int changes = 0;
 			for (int step = 0; step < 200; ++step) {
 				const double distance = std::max(middle + 6.3 * std::sin(step * 0.7), 0.0);
-				const std::uint32_t cells_per_edge = division_at(settings, lod, distance, displayed);
-				changes += cells_per_edge != displayed ? 1 : 0;
-				displayed = cells_per_edge;
+				const std::uint32_t cells_per_edge = division_at(settings, lod, distance, displayed_count);
+				changes += cells_per_edge != displayed_count ? 1 : 0;
+				displayed_count = cells_per_edge;
 			}
 			CHECK(changes <= 2); // The first change shows the tile.
 		}

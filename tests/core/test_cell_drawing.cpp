@@ -87,14 +87,14 @@ TEST_CASE("cell drawing: within the margin nothing changes") {
 		const std::vector<LodStep> steps = fades ? soft : std::vector<LodStep>();
 		for (int round = 0; round < 2000; ++round) {
 			CellDrawing cell;
-			const double near = any(random);
+			const double distance = any(random);
 			const double size = 10.0;
-			adapt(grass(), steps, {near, near + size}, cell);
-			const double margin = adapted_margin(grass(), steps, {near, near + size});
-			const double later = std::max(near + part(random) * std::min(margin, 1000.0), 0.0);
-			CellDrawing moved = cell;
-			adapt(grass(), steps, {later, later + size}, moved);
-			CHECK(same(cell, moved));
+			adapt(grass(), steps, {distance, distance + size}, cell);
+			const double margin = adapted_margin(grass(), steps, {distance, distance + size});
+			const double later_distance = std::max(distance + part(random) * std::min(margin, 1000.0), 0.0);
+			CellDrawing moved_cell = cell;
+			adapt(grass(), steps, {later_distance, later_distance + size}, moved_cell);
+			CHECK(same(cell, moved_cell));
 		}
 	}
 	LodSettings plain;

@@ -12,25 +12,25 @@ using namespace thicket;
 TEST_CASE("cell visits: a cell is drawn once viewers have moved as far as it allows, and not before") {
 	CellVisits visits;
 	std::vector<double> margins{5.0, 1.0, 3.0};
-	std::vector<std::size_t> drawn;
+	std::vector<std::size_t> drawn_cells;
 	const auto draw = [&](std::size_t cell) {
-		drawn.push_back(cell);
+		drawn_cells.push_back(cell);
 		return margins[cell];
 	};
 	const auto visit = [&](double traveled, bool all) {
-		drawn.clear();
+		drawn_cells.clear();
 		return visits.visit(margins.size(), traveled, all, draw);
 	};
 	CHECK(visit(100.0, true) == 1.0);
-	CHECK(drawn == std::vector<std::size_t>{0, 1, 2});
+	CHECK(drawn_cells == std::vector<std::size_t>{0, 1, 2});
 	CHECK(visit(100.5, false) == 0.5);
-	CHECK(drawn.empty());
+	CHECK(drawn_cells.empty());
 	CHECK(visit(101.0, false) == 1.0);
-	CHECK(drawn == std::vector<std::size_t>{1});
+	CHECK(drawn_cells == std::vector<std::size_t>{1});
 	CHECK(visit(104.0, false) == 1.0); // The visit is late: cells 1 and 2 are overdue. Cell 0 is due at 105.
-	CHECK(drawn == std::vector<std::size_t>{1, 2});
+	CHECK(drawn_cells == std::vector<std::size_t>{1, 2});
 	CHECK(visit(104.0, true) == 1.0);
-	CHECK(drawn.size() == 3);
+	CHECK(drawn_cells.size() == 3);
 	margins = {2.0};
 	CHECK(visit(104.0, true) == 2.0); // The division has changed.
 	margins.clear();
@@ -71,6 +71,6 @@ TEST_CASE("cell visits: a tile is visited when its first cell or its division is
 	CHECK(visit_margin(0.5, 32.0, 30.0) == 4.0); // The margin is at least an eighth of a cell.
 	CHECK(visit_margin(5.0, 32.0, 30.0) == 5.0);
 	CHECK(visit_margin(0.5, 32.0, 2.0) == 2.0);
-	constexpr double never = std::numeric_limits<double>::infinity();
-	CHECK(visit_margin(never, 0.0, never) == never);
+	constexpr double infinity = std::numeric_limits<double>::infinity();
+	CHECK(visit_margin(infinity, 0.0, infinity) == infinity);
 }

@@ -128,19 +128,19 @@ TEST_CASE("clumps: the tables that make the noise uniform match the measured noi
 TEST_CASE("clumps: without softness, densities are 0 or 1; coverages of 0 and 1 are exact") {
 	const auto at = random_positions(5000, 5);
 	for (const double softness : {0.0, 0.3, 1.0}) {
-		const ClumpNoise none = noise_of({10.0, 0.0, softness});
+		const ClumpNoise hard = noise_of({10.0, 0.0, softness});
 		const ClumpNoise all = noise_of({10.0, 1.0, softness});
-		const ClumpNoise some = noise_of({10.0, 0.4, softness});
-		int between = 0;
+		const ClumpNoise clumped = noise_of({10.0, 0.4, softness});
+		int soft_count = 0;
 		for (const glm::dvec2 position : at) {
-			REQUIRE(none.at(position) == 0.0);
+			REQUIRE(hard.at(position) == 0.0);
 			REQUIRE(all.at(position) == 1.0);
-			const double density = some.at(position);
+			const double density = clumped.at(position);
 			REQUIRE((density >= 0.0 && density <= 1.0));
-			between += density > 0.0 && density < 1.0;
+			soft_count += density > 0.0 && density < 1.0;
 		}
 		// The edges cover a fraction of 2 * softness * coverage of the plane.
-		CHECK(std::abs(between / 5000.0 - 2.0 * softness * 0.4) < 0.03);
+		CHECK(std::abs(soft_count / 5000.0 - 2.0 * softness * 0.4) < 0.03);
 	}
 }
 
@@ -157,10 +157,10 @@ TEST_CASE("clumps: the centers of clumps are at the requested distance") {
 		int maxima = 0;
 		for (int y = 1; y + 1 < side; ++y) {
 			for (int x = 1; x + 1 < side; ++x) {
-				const double *const here = &values[static_cast<std::size_t>(y * side + x)];
-				const double around = std::max({here[-side - 1], here[-side], here[-side + 1], here[-1], here[1],
-						here[side - 1], here[side], here[side + 1]});
-				maxima += *here > around;
+				const double *const sample = &values[static_cast<std::size_t>(y * side + x)];
+				const double neighbor_max = std::max({sample[-side - 1], sample[-side], sample[-side + 1], sample[-1],
+						sample[1], sample[side - 1], sample[side], sample[side + 1]});
+				maxima += *sample > neighbor_max;
 			}
 		}
 		CHECK(maxima > 2500 * 0.85);
@@ -172,12 +172,12 @@ TEST_CASE("clumps: no direction is preferred and no lattice is visible") {
 	const auto at = random_positions(60000, 6);
 	const ClumpNoise noise = noise_of(plain, 5);
 	for (const double distance : {1.5, 3.0, 4.6, 6.9}) { // A noise cell is 4.6 m wide.
-		std::vector<double> around;
+		std::vector<double> neighbors;
 		for (int direction = 0; direction < 8; ++direction) {
 			const double angle = direction * 0.39269908169872414;
-			around.push_back(correlation(noise, at, distance * glm::dvec2(std::cos(angle), std::sin(angle))));
+			neighbors.push_back(correlation(noise, at, distance * glm::dvec2(std::cos(angle), std::sin(angle))));
 		}
-		CHECK(std::ranges::max(around) - std::ranges::min(around) < 0.04);
+		CHECK(std::ranges::max(neighbors) - std::ranges::min(neighbors) < 0.04);
 	}
 	for (const double distance : {20.0, 100.0, 46.0 * 64.0}) {
 		CHECK(std::abs(correlation(noise, at, {distance, 0.0})) < 0.02);
@@ -185,12 +185,12 @@ TEST_CASE("clumps: no direction is preferred and no lattice is visible") {
 	}
 	// Mean and variance over many cells, at each of 8 by 8 positions within a cell.
 	constexpr double cell = 10.0 / 2.1747;
-	for (int part = 0; part < 64; ++part) {
+	for (int sector = 0; sector < 64; ++sector) {
 		double sum = 0.0;
 		double squares = 0.0;
 		for (int i = 0; i < 2000; ++i) {
 			const glm::dvec2 corner(i % 50 * 7, i / 50 * 7);
-			const double value = noise.at((corner + glm::dvec2(part % 8, part / 8) / 8.0) * cell) - 0.5;
+			const double value = noise.at((corner + glm::dvec2(sector % 8, sector / 8) / 8.0) * cell) - 0.5;
 			sum += value;
 			squares += value * value;
 		}
@@ -239,9 +239,9 @@ TEST_CASE("clumps: each seed has its own noise, which the size scales") {
 }
 
 TEST_CASE("clumps: a size of 0 disables clumping, and a position that is not finite has no density") {
-	const ClumpNoise off = noise_of({});
-	CHECK_FALSE(off.active());
-	CHECK(off.at({3.0, 4.0}) == 1.0);
+	const ClumpNoise disabled = noise_of({});
+	CHECK_FALSE(disabled.active());
+	CHECK(disabled.at({3.0, 4.0}) == 1.0);
 	CHECK_FALSE(ClumpNoise().active());
 	CHECK(ClumpNoise().at({-1e300, 0.0}) == 1.0);
 	for (const double coverage : {0.0, 0.5, 1.0}) {
@@ -293,8 +293,9 @@ TEST_CASE("clumps in space: planes of every direction have the same coverage, an
 		};
 		for (const double coverage : {0.1, 0.5, 0.9}) {
 			const ClumpNoise noise = noise_of({10.0, coverage, 0.0}, 11);
-			const auto covered = std::ranges::count_if(at, [&](glm::dvec2 p) { return noise.at(on_plane(p)) > 0.0; });
-			CHECK(std::abs(static_cast<double>(covered) / static_cast<double>(at.size()) - coverage) < 0.01);
+			const auto covered_count =
+					std::ranges::count_if(at, [&](glm::dvec2 p) { return noise.at(on_plane(p)) > 0.0; });
+			CHECK(std::abs(static_cast<double>(covered_count) / static_cast<double>(at.size()) - coverage) < 0.01);
 		}
 		const ClumpNoise noise = noise_of(plain, 12);
 		std::vector<double> values(at.size());

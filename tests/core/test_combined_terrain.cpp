@@ -48,8 +48,8 @@ CombinedTerrain::Part level_square(double height, double half = 8.0) {
 	const auto triangles = std::make_shared<TriangleTerrain>();
 	REQUIRE(triangles->set(corners).ok());
 	const auto parts = std::make_shared<TriangleParts>();
-	const std::array<TriangleParts::Part, 1> one{triangles};
-	REQUIRE(parts->set(one).ok());
+	const std::array<TriangleParts::Part, 1> single_part{triangles};
+	REQUIRE(parts->set(single_part).ok());
 	return parts;
 }
 
@@ -236,10 +236,10 @@ TEST_CASE("combined terrain: surfaces with the same bounds are in an order that 
 		return result;
 	};
 	const std::vector<Surface::Part> parts{half(false), half(true), half(false)};
-	const auto joined = Surface::of_parts(parts);
+	const auto joined_surface = Surface::of_parts(parts);
 	const auto reversed = Surface::of_parts(std::vector<Surface::Part>{parts[2], parts[1], parts[0]});
 	for (std::uint32_t index = 0; index < 3; ++index) {
-		CHECK(joined->triangle(index) == reversed->triangle(index));
+		CHECK(joined_surface->triangle(index) == reversed->triangle(index));
 	}
 }
 

@@ -92,14 +92,14 @@ TEST_CASE("compact tile: instances are restored bit for bit, for every source of
 		CAPTURE(each.name);
 		const TileInstances tile = built(each.layer, hills(), tile_of_hills);
 		REQUIRE(size_of(tile) > 1000);
-		const std::shared_ptr<const CompactTile> known = compact_tile(each.layer, tile);
-		CHECK(digest(expanded(*known)) == digest(tile));
-		CHECK(known->counts.placed == tile.counts.placed);
+		const std::shared_ptr<const CompactTile> compact = compact_tile(each.layer, tile);
+		CHECK(digest(expanded(*compact)) == digest(tile));
+		CHECK(compact->counts.placed == tile.counts.placed);
 		for (std::size_t at = 0; at < tile.meshes.size(); ++at) {
 			const MeshInstances &mesh = tile.meshes[at];
-			CHECK(known->meshes[at].min() == mesh.min);
-			CHECK(known->meshes[at].max() == mesh.max);
-			CHECK(known->meshes[at].max_scale() == mesh.max_scale);
+			CHECK(compact->meshes[at].min() == mesh.min);
+			CHECK(compact->meshes[at].max() == mesh.max);
+			CHECK(compact->meshes[at].max_scale() == mesh.max_scale);
 		}
 	}
 }
@@ -116,25 +116,25 @@ TEST_CASE("compact tile: the memory stays below the documented limit") {
 TEST_CASE("compact tile: an instance is found only by its ID") {
 	const LayerSettings layer = rich_layer();
 	const TileInstances tile = built(layer, hills(), tile_of_hills);
-	const std::shared_ptr<const CompactTile> known = compact_tile(layer, tile);
+	const std::shared_ptr<const CompactTile> compact = compact_tile(layer, tile);
 	const MeshInstances &mesh = tile.meshes[1];
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
-		REQUIRE(known->meshes[1].find(mesh.ids[i]) == i);
-		REQUIRE(known->meshes[0].find(mesh.ids[i]) == known->meshes[0].size());
+		REQUIRE(compact->meshes[1].find(mesh.ids[i]) == i);
+		REQUIRE(compact->meshes[0].find(mesh.ids[i]) == compact->meshes[0].size());
 	}
 	for (const std::uint64_t id : {std::uint64_t{0}, ~std::uint64_t{0}, mesh.ids[0] + (std::uint64_t{1} << 48),
 				 mesh.ids[0] - (std::uint64_t{1} << 48), pack({3, {cell_limit - 1, 0}})}) {
-		CHECK(known->meshes[1].find(id) == known->meshes[1].size());
+		CHECK(compact->meshes[1].find(id) == compact->meshes[1].size());
 	}
 }
 
 TEST_CASE("compact tile: handmade instances and very distant ones are stored uncompressed") {
 	const LayerSettings layer = rich_layer();
-	MeshInstances far = handmade({pack({3, {0, 0}}), pack({3, {1 << 15, 0}})});
+	MeshInstances far_apart = handmade({pack({3, {0, 0}}), pack({3, {1 << 15, 0}})});
 	MeshInstances layers = handmade({pack({3, {0, 0}}), pack({4, {0, 0}})});
-	far.normals.resize(far.size());
+	far_apart.normals.resize(far_apart.size());
 	layers.normals.resize(layers.size());
-	for (const MeshInstances &mesh : {handmade({5, 9, ~std::uint64_t{0} >> 1}), far, layers}) {
+	for (const MeshInstances &mesh : {handmade({5, 9, ~std::uint64_t{0} >> 1}), far_apart, layers}) {
 		TileInstances tile;
 		tile.meshes.push_back(mesh);
 		const CompactTile known(tile, std::make_shared<LayerSettings>(layer));
@@ -147,8 +147,8 @@ TEST_CASE("compact tile: handmade instances and very distant ones are stored unc
 
 TEST_CASE("compact tile: a subset appended to other instances has the same instances") {
 	const LayerSettings layer = rich_layer();
-	const std::shared_ptr<const CompactTile> known = compact_tile(layer, built(layer, hills(), tile_of_hills));
-	const CompactMesh &base = known->meshes[0];
+	const std::shared_ptr<const CompactTile> compact = compact_tile(layer, built(layer, hills(), tile_of_hills));
+	const CompactMesh &base = compact->meshes[0];
 	const MeshInstances first = handmade({~std::uint64_t{0} >> 1, 7});
 	std::vector<std::uint32_t> retained;
 	for (std::uint32_t i = 0; i < base.size(); i += i % 7 == 0 ? 2 : 1) {

@@ -29,6 +29,6 @@ def test_runner_is_built():
 
 @pytest.mark.parametrize("case", cases())
 def test_case(core_tool, case):
-    done = core_tool("core_tests", only(case), "--no-intro", timeout=900)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "test cases: 0 " not in done.stdout, f"the filter matched no case:\n{done.stdout}"
+    result = core_tool("core_tests", only(case), "--no-intro", timeout=900)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "test cases: 0 " not in result.stdout, f"the filter matched no case:\n{result.stdout}"

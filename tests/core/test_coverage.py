@@ -30,14 +30,14 @@ def llvm(name: str) -> str:
 def never_run(program: Path, profiles: Path, folder: str) -> dict[str, Counter[str]]:
     """Returns the lines of the sources in `folder` that no process executed: for each file, the content of the lines and the
     number of times that each line occurs."""
-    merged = profiles / "merged.profdata"
-    done = run([llvm("llvm-profdata"), "merge", "--sparse", "-o", merged, *profiles.glob("*.profraw")], timeout=600)
-    assert done.returncode == 0, done.stderr
-    done = run([llvm("llvm-cov"), "export", "--format=lcov", "--skip-functions", f"--instr-profile={merged}", program], timeout=1200, cwd=REPO)
-    assert done.returncode == 0, done.stderr[-4000:]
+    merged_profile = profiles / "merged.profdata"
+    result = run([llvm("llvm-profdata"), "merge", "--sparse", "-o", merged_profile, *profiles.glob("*.profraw")], timeout=600)
+    assert result.returncode == 0, result.stderr
+    result = run([llvm("llvm-cov"), "export", "--format=lcov", "--skip-functions", f"--instr-profile={merged_profile}", program], timeout=1200, cwd=REPO)
+    assert result.returncode == 0, result.stderr[-4000:]
     found: dict[str, Counter[str]] = {}
     path, source = "", []
-    for row in done.stdout.splitlines():
+    for row in result.stdout.splitlines():
         kind, _, value = row.partition(":")
         if kind == "SF":
             path = os.path.relpath(REPO / value, REPO)
@@ -108,9 +108,9 @@ def test_lines_that_nothing_runs_are_found(tmp_path):
 def test_cases_run_every_line_of_the_core(tmp_path):
     """Checks the lines that the test cases of tests/core execute, except the slow ones."""
     build(*OPTIONS, FOLDER / "core_tests", timeout=3600)
-    done = run([REPO / FOLDER / "core_tests", "--no-intro", f"--test-case-exclude={LONG_CASES}"],
+    result = run([REPO / FOLDER / "core_tests", "--no-intro", f"--test-case-exclude={LONG_CASES}"],
         timeout=900, env={**os.environ, **environment(tmp_path)})  # fmt: skip
-    assert done.returncode == 0, (done.stdout + done.stderr)[-8000:]
+    assert result.returncode == 0, (result.stdout + result.stderr)[-8000:]
     check_covered(REPO / FOLDER / "core_tests", tmp_path, "extension/core", "uncovered_core.txt")
 
 

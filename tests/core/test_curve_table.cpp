@@ -80,10 +80,10 @@ TEST_CASE("curve: a value is between the neighboring samples, and right to the l
 			const std::size_t index = std::min(static_cast<std::size_t>(position), samples.size() - 2);
 			const double first = samples[index];
 			const double second = samples[index + 1];
-			const double part = position - static_cast<double>(index);
+			const double fraction = position - static_cast<double>(index);
 			CHECK(table.at(x) >= std::min(first, second));
 			CHECK(table.at(x) <= std::max(first, second));
-			CHECK(std::abs(table.at(x) - (first * (1.0 - part) + second * part)) < 1e-12);
+			CHECK(std::abs(table.at(x) - (first * (1.0 - fraction) + second * fraction)) < 1e-12);
 			CHECK(table.at(x) <= table.largest());
 		}
 	}

@@ -117,7 +117,7 @@ TEST_CASE("density expression: an error names its column and how to fix it") {
 	struct Case {
 		std::string text;
 		std::size_t column;
-		const char *part;
+		const char *message_part;
 	};
 	const std::vector<Case> cases{
 			{"", 1, "ends too early"},
@@ -148,7 +148,7 @@ TEST_CASE("density expression: an error names its column and how to fix it") {
 		CAPTURE(each.text);
 		CAPTURE(error.message);
 		CHECK(error.column == each.column);
-		CHECK(error.message.find(each.part) != std::string::npos);
+		CHECK(error.message.find(each.message_part) != std::string::npos);
 	}
 	std::string deep = "x";
 	for (int i = 0; i < 20; ++i) {
@@ -184,7 +184,7 @@ TEST_CASE("density expression: any sequence of tokens is compiled or rejected") 
 
 TEST_CASE("density expression: noise is uniform, and depends on seed and size only") {
 	const auto noise = compiled("noise(20)");
-	const auto again = compiled("0 + 1 * noise(2 * 10)");
+	const auto equivalent = compiled("0 + 1 * noise(2 * 10)");
 	const auto larger = compiled("noise(21)");
 	for (const bool in_space : {false, true}) {
 		CAPTURE(in_space);
@@ -199,7 +199,7 @@ TEST_CASE("density expression: noise is uniform, and depends on seed and size on
 			const double value = noise->at(inputs, 1, in_space);
 			REQUIRE(value >= 0.0);
 			REQUIRE(value <= 1.0);
-			REQUIRE(again->at(inputs, 1, in_space) == value);
+			REQUIRE(equivalent->at(inputs, 1, in_space) == value);
 			below += value < 0.3 ? 1 : 0;
 			same_for_other_seed += noise->at(inputs, 2, in_space) == value ? 1 : 0;
 			same_for_other_seed += larger->at(inputs, 1, in_space) == value ? 1 : 0;
@@ -209,7 +209,7 @@ TEST_CASE("density expression: noise is uniform, and depends on seed and size on
 		CHECK(below / static_cast<double>(count) == doctest::Approx(0.3).epsilon(0.07));
 		CHECK(same_for_other_seed < count / 100);
 	}
-	ExpressionInputs far;
-	far.position = {1e20, 0.0, 0.0};
-	CHECK(std::isnan(noise->at(far, 1, false)));
+	ExpressionInputs far_inputs;
+	far_inputs.position = {1e20, 0.0, 0.0};
+	CHECK(std::isnan(noise->at(far_inputs, 1, false)));
 }

@@ -30,13 +30,13 @@ public:
 	bool thread_safe = true;
 	bool has_bounds = false;
 	Status failure;
-	mutable std::size_t asked = 0;
+	mutable std::size_t query_count = 0;
 	mutable double lowest_x = 1e9;
 
 	bool is_thread_safe() const override { return thread_safe; }
 
 	Status sample(const DensityBatch &batch, std::span<float> r_densities) const override {
-		asked += r_densities.size();
+		query_count += r_densities.size();
 		for (std::size_t i = 0; i < r_densities.size(); ++i) {
 			lowest_x = std::min(lowest_x, batch.positions[i].x);
 			r_densities[i] = batch.positions[i].x < 0.0 ? west : east;
@@ -105,10 +105,10 @@ TriangleParts ground_of(const surfaces::Triangles &triangles) {
 	for (const std::uint32_t index : triangles.indices) {
 		corners.push_back(triangles.vertices[index]);
 	}
-	auto part = std::make_shared<TriangleTerrain>();
-	REQUIRE(part->set(corners, nullptr, Winding::counterclockwise).ok());
+	auto terrain_part = std::make_shared<TriangleTerrain>();
+	REQUIRE(terrain_part->set(corners, nullptr, Winding::counterclockwise).ok());
 	TriangleParts ground;
-	REQUIRE(ground.set(std::vector<TriangleParts::Part>{part}).ok());
+	REQUIRE(ground.set(std::vector<TriangleParts::Part>{terrain_part}).ok());
 	return ground;
 }
 
@@ -179,12 +179,12 @@ TEST_CASE("density rules: a rule that is 0 in a tile is not evaluated, and a thr
 		const TileInstances empty = built(layer, ground, west);
 		CHECK(size_of(empty) == 0);
 		CHECK((empty.counts.sampled == 0) == thread_safe);
-		CHECK(rule->asked == 0);
-		const TileInstances both = built(layer, ground, tile_of_hills);
-		CHECK(size_of(both) > 100);
-		CHECK(rule->asked > 100);
+		CHECK(rule->query_count == 0);
+		const TileInstances both_rules = built(layer, ground, tile_of_hills);
+		CHECK(size_of(both_rules) > 100);
+		CHECK(rule->query_count > 100);
 		rule->has_bounds = false;
-		CHECK(digest(built(layer, ground, tile_of_hills)) == digest(both));
+		CHECK(digest(built(layer, ground, tile_of_hills)) == digest(both_rules));
 	}
 }
 
@@ -224,9 +224,9 @@ TEST_CASE("density rules: densities are multiplied, clamped and explained one by
 	CHECK(factors.back().rule == RuleKind::ground);
 	RuleNames names;
 	names.density_rules = {"Roads"};
-	const RuleMessage some = describe({RuleKind::density_rule, 0.25, 0.25, 0}, layer, names);
-	CHECK(some.rule == "density_rules");
-	CHECK(some.message == "The density rule Roads permits 25 % of the instances here.");
+	const RuleMessage message = describe({RuleKind::density_rule, 0.25, 0.25, 0}, layer, names);
+	CHECK(message.rule == "density_rules");
+	CHECK(message.message == "The density rule Roads permits 25 % of the instances here.");
 	CHECK(describe({RuleKind::density_rule, 0.0, 0.0, 1}, layer, names).message ==
 			"The density rule without a name permits no instances here.");
 }

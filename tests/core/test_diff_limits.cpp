@@ -29,8 +29,8 @@ StateBytes diff_with_count(std::uint32_t count, std::uint32_t format, double clo
 	} else {
 		bytes.push_back(1);
 		bytes.resize(bytes.size() + 1 + 8);
-		for (std::uint32_t rest = count; rest > 0; rest >>= 7) {
-			bytes.push_back(static_cast<std::uint8_t>(rest | (rest >= 0x80 ? 0x80 : 0)));
+		for (std::uint32_t remaining = count; remaining > 0; remaining >>= 7) {
+			bytes.push_back(static_cast<std::uint8_t>(remaining | (remaining >= 0x80 ? 0x80 : 0)));
 		}
 		bytes.resize(bytes.size() + 5 + list);
 	}
@@ -67,11 +67,11 @@ void check_refused(
 bool is_applied(const InstanceState &state, const StateBytes &diff, const DiffLimits &limits) {
 	InstanceState applied_to = copy_of(state);
 	REQUIRE(applied_to.claim(1, 7, 10.0).ok());
-	InstanceState joined = copy_of(applied_to);
-	REQUIRE(joined.claim(1, 7, 10.0).ok());
+	InstanceState joined_state = copy_of(applied_to);
+	REQUIRE(joined_state.claim(1, 7, 10.0).ok());
 	Changes changes;
 	const bool applied = applied_to.apply(diff, changes, limits).ok();
-	CHECK(joined.merge_diff(diff, changes, limits).ok() == applied);
+	CHECK(joined_state.merge_diff(diff, changes, limits).ok() == applied);
 	return applied;
 }
 
@@ -127,9 +127,9 @@ TEST_CASE("diff limits: every kind of ID is counted, and no list may exceed the 
 	check_refused({}, diff, limits, "changes must be at most 5");
 	StateRecord record;
 	REQUIRE(read(diff, record).ok());
-	StateBytes former;
-	write(record, former, nullptr, former_state_format);
-	check_refused({}, former, limits, "changes must be at most 5");
+	StateBytes previous;
+	write(record, previous, nullptr, former_state_format);
+	check_refused({}, previous, limits, "changes must be at most 5");
 }
 
 TEST_CASE("diff limits: the total number of changes after a diff is limited") {
@@ -198,25 +198,25 @@ TEST_CASE("diff limits: changes outside the permitted area are rejected") {
 	CHECK(is_applied({}, diff_of_removals(5, 9), limits));
 	check_refused({}, diff_of_removals(5, 11), limits, "x must be between 0 and 100 (area of diff_limits), got 115");
 	check_refused({}, diff_of_removals(8, 1), limits, "z must be between 0 and 50 (area of diff_limits), got 65");
-	InstanceState elsewhere;
-	elsewhere.remove(point_id(2, 1, 1));
-	check_refused({}, diff_of(elsewhere, 0), limits, "the position of points of a layer is missing. Assign");
+	InstanceState other_state;
+	other_state.remove(point_id(2, 1, 1));
+	check_refused({}, diff_of(other_state, 0), limits, "the position of points of a layer is missing. Assign");
 	// The positions of hand-placed instances are known without cells. The limits forbid moving or
 	// removing one that is outside the area.
-	InstanceState far;
-	const std::uint64_t id = added_to(far, instance_at(500.0, 10.0));
-	check_refused({}, diff_of(far, 0), limits, "x must be between 0 and 100 (area of diff_limits), got 500");
-	InstanceState near = copy_of(far);
+	InstanceState sender;
+	const std::uint64_t id = added_to(sender, instance_at(500.0, 10.0));
+	check_refused({}, diff_of(sender, 0), limits, "x must be between 0 and 100 (area of diff_limits), got 500");
+	InstanceState receiver = copy_of(sender);
 	Changes changes;
-	std::uint64_t moved = 0;
-	const std::uint64_t known = near.revision();
-	REQUIRE(near.move(id, instance_at(50.0, 10.0), moved, changes).ok());
-	CHECK(is_applied({}, diff_of(near, known), limits));
-	check_refused(far, diff_of(near, known), limits, "x must be between");
-	near.remove(id);
-	InstanceState holder = copy_of(far);
-	CHECK_FALSE(holder.apply(diff_of(near, known), changes, limits).ok());
-	CHECK(holder.merge_diff(diff_of(near, known), changes, limits).ok() == false);
+	std::uint64_t moved_id = 0;
+	const std::uint64_t known_revision = receiver.revision();
+	REQUIRE(receiver.move(id, instance_at(50.0, 10.0), moved_id, changes).ok());
+	CHECK(is_applied({}, diff_of(receiver, known_revision), limits));
+	check_refused(sender, diff_of(receiver, known_revision), limits, "x must be between");
+	receiver.remove(id);
+	InstanceState holder = copy_of(sender);
+	CHECK_FALSE(holder.apply(diff_of(receiver, known_revision), changes, limits).ok());
+	CHECK(holder.merge_diff(diff_of(receiver, known_revision), changes, limits).ok() == false);
 }
 
 TEST_CASE("diff limits: replacing the whole state can be forbidden") {
@@ -307,10 +307,10 @@ TEST_CASE("diff summary: a summary lists a diff's IDs by layer and area") {
 	CHECK(oaks.bounds.min == glm::dvec2(0.0, 0.0));
 	CHECK(oaks.bounds.max == glm::dvec2(60.0, 100.0));
 	CHECK(oaks.has_all_bounds);
-	const DiffSummary::Layer &placed = summary.layers.at(2);
-	CHECK(placed.added == 1);
-	CHECK(placed.removed_placed == 1);
-	CHECK(placed.bounds.min == glm::dvec2(-7.0, 8.0));
+	const DiffSummary::Layer &placed_layer = summary.layers.at(2);
+	CHECK(placed_layer.added == 1);
+	CHECK(placed_layer.removed_placed == 1);
+	CHECK(placed_layer.bounds.min == glm::dvec2(-7.0, 8.0));
 	CHECK_FALSE(summary.layers.at(3).has_bounds);
 	CHECK_FALSE(summary.layers.at(3).has_all_bounds);
 	CHECK(receiver.revision() == 0);

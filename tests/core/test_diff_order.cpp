@@ -24,9 +24,9 @@ struct ThreeRemovals {
 	ThreeRemovals() {
 		owner.set_origin(owner_name);
 		for (int x = 0; x < 3; ++x) {
-			const std::uint64_t known = owner.revision();
+			const std::uint64_t known_revision = owner.revision();
 			owner.remove(point_id(1, x, 0));
-			diffs.push_back(diff_of(owner, known));
+			diffs.push_back(diff_of(owner, known_revision));
 		}
 	}
 };
@@ -95,8 +95,8 @@ TEST_CASE("diff order: repeated and late diffs have no effect") {
 	changes.clear();
 	for (const std::size_t late : {0U, 1U}) {
 		bool missing = true;
-		std::uint64_t since = 0;
-		REQUIRE(peer.missing_before(three.diffs[late], missing, since).ok());
+		std::uint64_t base_revision = 0;
+		REQUIRE(peer.missing_before(three.diffs[late], missing, base_revision).ok());
 		CHECK_FALSE(missing);
 		CHECK(peer.apply(three.diffs[late], changes).ok());
 	}
@@ -118,11 +118,11 @@ TEST_CASE("diff order: a diff after a lost one is rejected, and the error names 
 	CHECK(changes.empty());
 	CHECK(peer.removed_count() == 1);
 	bool missing = false;
-	std::uint64_t since = 0;
-	REQUIRE(peer.missing_before(three.diffs[2], missing, since).ok());
+	std::uint64_t base_revision = 0;
+	REQUIRE(peer.missing_before(three.diffs[2], missing, base_revision).ok());
 	CHECK(missing);
-	CHECK(since == 1);
-	REQUIRE(peer.apply(diff_of(three.owner, since), changes).ok());
+	CHECK(base_revision == 1);
+	REQUIRE(peer.apply(diff_of(three.owner, base_revision), changes).ok());
 	CHECK(peer.digest() == three.owner.digest());
 	CHECK(peer.known_revision(owner_name) == 3);
 }
@@ -153,7 +153,7 @@ TEST_CASE("diff order: undo steps, saved changes and diffs of unnamed states hav
 
 TEST_CASE("diff order: a loaded, cleared or replaced state needs a complete diff") {
 	const ThreeRemovals three;
-	const StateBytes saved = bytes_of(three.owner);
+	const StateBytes saved_bytes = bytes_of(three.owner);
 	const auto is_forgotten = [&](auto forget) {
 		InstanceState peer;
 		Changes changes;
@@ -162,14 +162,16 @@ TEST_CASE("diff order: a loaded, cleared or replaced state needs a complete diff
 		return peer.known_revision(owner_name) == 0 &&
 				peer.apply(three.diffs[1], changes).code == ErrorCode::out_of_order;
 	};
-	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.load(saved, r_changes).ok()); }));
-	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.apply(saved, r_changes).ok()); }));
+	CHECK(is_forgotten(
+			[&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.load(saved_bytes, r_changes).ok()); }));
+	CHECK(is_forgotten(
+			[&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.apply(saved_bytes, r_changes).ok()); }));
 	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.clear(r_changes).ok()); }));
 	// A complete diff replaces all earlier diffs.
 	InstanceState owner;
 	owner.set_origin(owner_name);
 	Changes changes;
-	REQUIRE(owner.load(saved, changes).ok());
+	REQUIRE(owner.load(saved_bytes, changes).ok());
 	InstanceState peer;
 	REQUIRE(peer.apply(diff_of(owner, 0), changes).ok());
 	CHECK(peer.known_revision(owner_name) == owner.revision());
@@ -195,15 +197,15 @@ TEST_CASE("diff order: diffs that another thread applies are also ordered") {
 }
 
 TEST_CASE("diff order: unknown senders take a bounded amount of memory") {
-	KnownRevisions known;
+	KnownRevisions known_revisions;
 	for (std::uint64_t name = 1; name <= 1000; ++name) {
-		known.reserve_entry();
-		known.set(name, name + 5);
-		known.set(1, 6); // A sender that sends repeatedly is not forgotten.
+		known_revisions.reserve_entry();
+		known_revisions.set(name, name + 5);
+		known_revisions.set(1, 6); // A sender that sends repeatedly is not forgotten.
 	}
-	CHECK(known.of(1000) == 1005);
-	CHECK(known.of(1) == 6);
-	CHECK(known.of(1000 - KnownRevisions::capacity) == 0);
+	CHECK(known_revisions.of(1000) == 1005);
+	CHECK(known_revisions.of(1) == 6);
+	CHECK(known_revisions.of(1000 - KnownRevisions::capacity) == 0);
 }
 
 TEST_CASE("diff order: receivers converge over a channel that reorders, loses and repeats") {
@@ -226,9 +228,10 @@ TEST_CASE("diff order: receivers converge over a channel that reorders, loses an
 					receivers[i].sent = owner.revision();
 				}
 				StateBytes message;
-				std::uint64_t since = 0;
-				if (random() % 3 != 0 && channels[i].take(message) && receive(receivers[i].state, message, since)) {
-					channels[i].send(diff_of(owner, since));
+				std::uint64_t base_revision = 0;
+				if (random() % 3 != 0 && channels[i].take(message) &&
+						receive(receivers[i].state, message, base_revision)) {
+					channels[i].send(diff_of(owner, base_revision));
 					++requests;
 				}
 			}

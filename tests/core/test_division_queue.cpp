@@ -232,8 +232,8 @@ TEST_CASE("division queue: a canceled division leaves the queue in order and may
 }
 
 TEST_CASE("division queue: a new tile is uploaded in cells if the limits and the waiting tiles permit it") {
-	const auto first = [](std::uint64_t then, bool replaces, bool others_wait) {
-		return DivisionQueue::first_division(8, {then, 100}, replaces, others_wait);
+	const auto first = [](std::uint64_t previous, bool replaces, bool others_wait) {
+		return DivisionQueue::first_division(8, {previous, 100}, replaces, others_wait);
 	};
 	CHECK(first(100, false, false) == 8);
 	CHECK(first(101, false, false) == 1);
@@ -273,12 +273,12 @@ TEST_CASE("division queue: after random moves, the limit is respected, no work i
 			}
 			// The tile was rejected, so it would exceed the limit even if all farther tiles were
 			// whole.
-			std::uint64_t least = std::uint64_t{tile.wanted} * tile.wanted;
+			std::uint64_t minimum = std::uint64_t{tile.wanted} * tile.wanted;
 			for (const auto &[y, other] : row.tiles) {
 				const bool yields = other.distance > yield_factor * tile.distance;
-				least += y == x ? 0 : yields ? 1 : std::uint64_t{other.displayed} * other.displayed;
+				minimum += y == x ? 0 : yields ? 1 : std::uint64_t{other.displayed} * other.displayed;
 			}
-			CHECK(least > row.limit);
+			CHECK(minimum > row.limit);
 		}
 	}
 	CHECK(std::ranges::count_if(row.begun, [](int x) { return x < 0; }) > 20);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr glm::dvec2 no_torus(0.0);
 
-int sign_of(std::int64_t number) { return number < 0 ? -1 : number > 0 ? 1 : 0; }
+int sign_of(std::int64_t value) { return value < 0 ? -1 : value > 0 ? 1 : 0; }
 
 DomainReport report(const std::vector<glm::dvec2> &points, const DomainShape &shape) {
 	return DomainCheck::run(std::span<const glm::dvec2>(points), shape, true);
@@ -105,11 +105,11 @@ TEST_CASE("domain check: exact comparisons agree with integers") {
 
 TEST_CASE("domain check: a valid set passes, on a torus and without its seams") {
 	const std::vector<glm::dvec2> points = analysis::NaiveDarts(reference_side, 1).run();
-	const DomainReport found = report(points, reference_shape);
-	CHECK(found.points == points.size());
-	CHECK(found.outside == 0);
-	CHECK(found.too_close == 0);
-	CHECK(found.uncovered == 0);
+	const DomainReport found_report = report(points, reference_shape);
+	CHECK(found_report.points == points.size());
+	CHECK(found_report.outside == 0);
+	CHECK(found_report.too_close == 0);
+	CHECK(found_report.uncovered == 0);
 	// On a bounded domain, the same points keep their distance, but no periodic images cover the
 	// positions near the border.
 	DomainShape bounded = reference_shape;
@@ -121,28 +121,28 @@ TEST_CASE("domain check: a valid set passes, on a torus and without its seams") 
 TEST_CASE("domain check: every single wrong point is detected") {
 	const std::vector<glm::dvec2> points = analysis::NaiveDarts(reference_side, 2).run();
 	for (std::size_t i = 0; i < points.size(); ++i) {
-		std::vector<glm::dvec2> wrong = points;
-		wrong.erase(wrong.begin() + static_cast<std::ptrdiff_t>(i));
-		CHECK(report(wrong, reference_shape).uncovered > 0);
-		CHECK(report(wrong, reference_shape).too_close == 0);
+		std::vector<glm::dvec2> damaged = points;
+		damaged.erase(damaged.begin() + static_cast<std::ptrdiff_t>(i));
+		CHECK(report(damaged, reference_shape).uncovered > 0);
+		CHECK(report(damaged, reference_shape).too_close == 0);
 
-		wrong.push_back(points[i]);
-		wrong.push_back(points[i] + glm::dvec2(0.6, -0.7));
+		damaged.push_back(points[i]);
+		damaged.push_back(points[i] + glm::dvec2(0.6, -0.7));
 		const auto wrap = [](double position) {
 			return position - reference_side * std::floor(position / reference_side);
 		};
-		wrong.back() = {wrap(wrong.back().x), wrap(wrong.back().y)};
-		CHECK(report(wrong, reference_shape).too_close > 0);
-		CHECK(report(wrong, reference_shape).uncovered == 0);
+		damaged.back() = {wrap(damaged.back().x), wrap(damaged.back().y)};
+		CHECK(report(damaged, reference_shape).too_close > 0);
+		CHECK(report(damaged, reference_shape).uncovered == 0);
 	}
 }
 
 TEST_CASE("domain check: pairs across each seam and corner of a torus are compared") {
-	for (const glm::dvec2 away :
+	for (const glm::dvec2 offset :
 			{glm::dvec2(0.9, 0.0), glm::dvec2(0.0, 0.9), glm::dvec2(0.6, 0.6), glm::dvec2(0.6, -0.6)}) {
 		const DomainShape shape{{9.0, 5.0}, 1.0, true, 1e-9};
-		const glm::dvec2 first(0.3, away.y < 0.0 ? shape.size.y - 0.3 : 0.3);
-		const glm::dvec2 second = first - away;
+		const glm::dvec2 first(0.3, offset.y < 0.0 ? shape.size.y - 0.3 : 0.3);
+		const glm::dvec2 second = first - offset;
 		const std::vector<glm::dvec2> points = {first,
 				{second.x < 0.0 ? second.x + shape.size.x : second.x,
 						second.y < 0.0                     ? second.y + shape.size.y

@@ -42,15 +42,15 @@ Points<Real> filled(const DomainRequest &request) {
 template <typename Real>
 void check_same(const Points<Real> &found, const Points<Real> &expected) {
 	CHECK(found.size() == expected.size());
-	const bool same = found == expected;
-	CHECK(same);
+	const bool is_same = found == expected;
+	CHECK(is_same);
 }
 
 } // namespace
 
 TEST_CASE_TEMPLATE("domain: equal requests produce equal points, regardless of earlier requests", Real, float, double) {
 	std::mt19937_64 random(3);
-	DomainSampler<Real> used;
+	DomainSampler<Real> used_sampler;
 	Points<Real> points;
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
@@ -59,38 +59,38 @@ TEST_CASE_TEMPLATE("domain: equal requests produce equal points, regardless of e
 			DomainRequest request = request_of(shape, method.method, random());
 			request.darts_each = 10.0;
 			const Points<Real> expected = sampled<Real>(request);
-			REQUIRE(used.sample(request, points).ok());
+			REQUIRE(used_sampler.sample(request, points).ok());
 			check_same<Real>(points, expected);
 			// Sample a different request, then the first one again.
 			DomainRequest other =
 					request_of(shapes[random() % shapes.size()], methods[random() % methods.size()].method, random());
 			other.darts_each = 10.0;
-			REQUIRE((random() % 2 == 0 ? used.sample(other, points) : used.fill(other)).ok());
-			REQUIRE(used.sample(request, points).ok());
+			REQUIRE((random() % 2 == 0 ? used_sampler.sample(other, points) : used_sampler.fill(other)).ok());
+			REQUIRE(used_sampler.sample(request, points).ok());
 			check_same<Real>(points, expected);
 		}
 	}
-	DomainSampler<Real> moved = std::move(used);
+	DomainSampler<Real> moved_sampler = std::move(used_sampler);
 	const DomainRequest request = request_of(shapes[0], DomainMethod::hierarchical, 4);
-	REQUIRE(moved.sample(request, points).ok());
+	REQUIRE(moved_sampler.sample(request, points).ok());
 	check_same<Real>(points, sampled<Real>(request));
 }
 
 TEST_CASE_TEMPLATE("domain: sets of different seeds share no points", Real, float, double) {
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
-		std::set<std::pair<Real, Real>> seen;
+		std::set<std::pair<Real, Real>> positions;
 		std::size_t count = 0;
 		for (const std::uint64_t seed : {0ull, 1ull, 2ull, 1ull << 32, 1ull << 63, ~0ull}) {
 			const Points<Real> points = sampled<Real>(request_of({"", {20.0, 20.0}, 1.0, true}, method.method, seed));
 			count += points.size();
 			for (const auto &point : points) {
-				seen.emplace(point.x, point.y);
+				positions.emplace(point.x, point.y);
 			}
 		}
 		// Single precision has about 2^46 positions, so two of 1,700 points coincide by chance only
 		// once in ten million runs.
-		CHECK(seen.size() == count);
+		CHECK(positions.size() == count);
 	}
 }
 
@@ -168,12 +168,12 @@ TEST_CASE_TEMPLATE("domain: visit can be called again, and before any fill it re
 	const Points<Real> first = visited(sampler);
 	CHECK(first.size() > 200);
 	check_same<Real>(visited(sampler), first);
-	DomainSampler<Real> moved = std::move(sampler);
-	check_same<Real>(visited(moved), first);
+	DomainSampler<Real> moved_sampler = std::move(sampler);
+	check_same<Real>(visited(moved_sampler), first);
 	// A second fill replaces the first.
 	const DomainRequest other = request_of({"", {5.0, 45.0}, 1.0, false}, DomainMethod::accumulator, 9);
-	REQUIRE(moved.fill(other).ok());
-	check_same<Real>(sorted<Real>(visited(moved)), sorted<Real>(sampled<Real>(other)));
+	REQUIRE(moved_sampler.fill(other).ok());
+	check_same<Real>(sorted<Real>(visited(moved_sampler)), sorted<Real>(sampled<Real>(other)));
 }
 
 TEST_CASE_TEMPLATE("domain: darts_each of naive dart throwing adds points and moves none", Real, float, double) {

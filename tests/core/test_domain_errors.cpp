@@ -110,12 +110,12 @@ TEST_CASE_TEMPLATE("domain errors: a torus on which a disk would overlap itself 
 	Fixture<Real> fixture;
 	fixture.good.toroidal = true;
 	fixture.good.radius = 0.5;
-	const double least = min_torus_radii * fixture.good.radius;
-	const double narrow = std::nextafter(least, 0.0);
+	const double min_size = min_torus_radii * fixture.good.radius;
+	const double narrow = std::nextafter(min_size, 0.0);
 	refuse_size(fixture, {narrow, 10.0}, ErrorCode::out_of_range, narrow);
 	refuse_size(fixture, {10.0, narrow}, ErrorCode::out_of_range, narrow);
 	refuse_size(fixture, {1e-3, 1e-3}, ErrorCode::out_of_range, 1e-3);
-	CHECK(validate({.size = {least, least}, .radius = 0.5, .toroidal = true}).ok());
+	CHECK(validate({.size = {min_size, min_size}, .radius = 0.5, .toroidal = true}).ok());
 	CHECK(validate({.size = {narrow, narrow}, .radius = 0.5, .toroidal = false}).ok());
 }
 
@@ -173,17 +173,17 @@ TEST_CASE_TEMPLATE(
 			DomainRequest request = fixture.good;
 			request.method = method.method;
 			request.toroidal = true; // On a torus, the sampler also stores periodic images.
-			bool done = false;
+			bool is_finished = false;
 			std::size_t failures = 0;
-			for (std::size_t allowed = 0; !done; ++allowed) {
+			for (std::size_t allowed = 0; !is_finished; ++allowed) {
 				DomainSampler<Real> sampler;
 				Status status;
 				{
 					const AllocationLimit limit(allowed);
 					status = fill ? sampler.fill(request) : sampler.sample(request, fixture.points);
 				}
-				done = status.ok();
-				if (!done) {
+				is_finished = status.ok();
+				if (!is_finished) {
 					++failures;
 					CHECK(status.code == ErrorCode::out_of_memory);
 					CHECK(fixture.points == fixture.before);
@@ -228,12 +228,12 @@ int refuses_in_little_memory(DomainMethod method) {
 		std::free(too_much);
 		return limits_do_not_hold;
 	}
-	const bool refused = sampler.sample(huge, points).code == ErrorCode::out_of_memory && points == before &&
+	const bool is_rejected = sampler.sample(huge, points).code == ErrorCode::out_of_memory && points == before &&
 			sampler.fill(huge).code == ErrorCode::out_of_memory;
 	// The failed call has freed its memory, so a small domain fits.
 	huge.size = {100.0, 100.0};
-	const bool goes_on = sampler.sample(huge, points).ok() && points.size() > 5000;
-	return refused && goes_on ? EXIT_SUCCESS : EXIT_FAILURE;
+	const bool is_usable = sampler.sample(huge, points).ok() && points.size() > 5000;
+	return is_rejected && is_usable ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 } // namespace

@@ -25,8 +25,8 @@ TEST_CASE_TEMPLATE("domain: all counts of base squares and groups along each axi
 	// and the smallest tori.
 	std::vector<double> bounded;
 	for (int squares = 0; squares <= 10; ++squares) {
-		for (const double more : {-0.01, 0.01, 0.5}) {
-			bounded.push_back((squares + more) * std::sqrt(0.5));
+		for (const double excess : {-0.01, 0.01, 0.5}) {
+			bounded.push_back((squares + excess) * std::sqrt(0.5));
 		}
 	}
 	std::erase_if(bounded, [](double side) { return side <= 0.0; });
@@ -106,21 +106,21 @@ TEST_CASE_TEMPLATE("domain: points are dense up to a border, and a torus has no 
 		CAPTURE(method.name);
 		for (const bool torus : {false, true}) {
 			CAPTURE(torus);
-			std::array<double, 4> beside{};
+			std::array<double, 4> edge_counts{};
 			double inside = 0.0;
 			for (std::uint64_t seed = 11; seed < 15; ++seed) {
 				DomainRequest request = request_of({"", {side, side}, 1.0, torus}, method.method, seed);
 				request.darts_each = 30.0;
 				for (const auto &point : sampled<Real>(request)) {
-					beside[0] += point.x < strip;
-					beside[1] += point.x >= side - strip;
-					beside[2] += point.y < strip;
-					beside[3] += point.y >= side - strip;
+					edge_counts[0] += point.x < strip;
+					edge_counts[1] += point.x >= side - strip;
+					edge_counts[2] += point.y < strip;
+					edge_counts[3] += point.y >= side - strip;
 					inside += point.x >= 0.25 * side && point.x < 0.75 * side;
 				}
 			}
 			const double expected = inside * strip / (0.5 * side);
-			for (const double count : beside) {
+			for (const double count : edge_counts) {
 				CAPTURE(count);
 				CAPTURE(expected);
 				// About 170 points are expected, with a standard deviation below 10. A border

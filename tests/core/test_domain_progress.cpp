@@ -23,14 +23,14 @@ struct Watch {
 	std::uint64_t points = 0;
 	bool in_order = true; ///< Fractions are at most 1, and neither they nor the points ever decrease.
 
-	void operator()(double fraction, std::uint64_t found) {
+	void operator()(double fraction, std::uint64_t point_count) {
 		++calls;
-		before_first_point += found == 0 ? 1 : 0;
+		before_first_point += point_count == 0 ? 1 : 0;
 		first = std::min(first, fraction);
-		in_order = in_order && fraction >= last && fraction <= 1.0 && found >= points;
+		in_order = in_order && fraction >= last && fraction <= 1.0 && point_count >= points;
 		widest_step = std::max(widest_step, fraction - last);
 		last = fraction;
-		points = found;
+		points = point_count;
 	}
 };
 
@@ -60,9 +60,9 @@ struct Fixture {
 	void check_cancelled(const Status &status) {
 		CHECK(status.code == ErrorCode::cancelled);
 		CHECK(points == before);
-		std::vector<glm::vec<2, Real>> again;
-		REQUIRE(sampler.sample(good, again).ok());
-		CHECK(again == before);
+		std::vector<glm::vec<2, Real>> repeated;
+		REQUIRE(sampler.sample(good, repeated).ok());
+		CHECK(repeated == before);
 	}
 };
 
@@ -148,8 +148,8 @@ TEST_CASE_TEMPLATE(
 		}
 	}
 	// A flag that is never set has no effect.
-	const std::atomic<bool> down{false};
-	REQUIRE(fixture.sampler.sample(fixture.good, fixture.points, {.cancel = &down, .report = {}}).ok());
+	const std::atomic<bool> cancel_flag{false};
+	REQUIRE(fixture.sampler.sample(fixture.good, fixture.points, {.cancel = &cancel_flag, .report = {}}).ok());
 	CHECK(fixture.points == fixture.before);
 }
 
@@ -184,8 +184,8 @@ TEST_CASE_TEMPLATE("domain cancel: a fill keeps all previous points or none", Re
 		};
 		const DomainRequest request = request_for(method.method, {200.0, 200.0});
 		CHECK(sampler.fill(request, {.cancel = &cancel, .report = report}).code == ErrorCode::cancelled);
-		std::uint64_t left = 0;
-		sampler.visit([&](std::span<const Real> x, std::span<const Real>) { left += x.size(); });
-		CHECK((left == 0 || left == before));
+		std::uint64_t point_count = 0;
+		sampler.visit([&](std::span<const Real> x, std::span<const Real>) { point_count += x.size(); });
+		CHECK((point_count == 0 || point_count == before));
 	}
 }

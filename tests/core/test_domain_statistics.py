@@ -121,11 +121,11 @@ def test_coverage_matches_the_jammed_state(poissontiles, kind):
     side, seeds = 300.0, 32
     sets = domains_of(poissontiles, kind[0], (side, side), FIRST_SEED[kind[1]], seeds, precision=kind[1])
     assert sum(map(len, sets)) >= 2_000_000
-    found = coverage(sets, side)
-    error = found.std(ddof=1) / np.sqrt(seeds)
+    densities = coverage(sets, side)
+    error = densities.std(ddof=1) / np.sqrt(seeds)
     assert error < 1.5e-4, "there are too few points for a conclusion"
-    z = z_of_mean(found, JAMMED_COVERAGE)
-    assert abs(z) < 4.0, f"coverage {found.mean():.6f} is {z:.1f} standard errors from {JAMMED_COVERAGE}"
+    z = z_of_mean(densities, JAMMED_COVERAGE)
+    assert abs(z) < 4.0, f"coverage {densities.mean():.6f} is {z:.1f} standard errors from {JAMMED_COVERAGE}"
 
 
 @pytest.mark.full
@@ -134,11 +134,11 @@ def test_coverage_in_single_precision_lacks_only_the_loss_of_the_lattice(poisson
     positions cover less than sets in the plane: 0.3 times the step in radii, measured in eight other sets. Squares that
     were abandoned too early would lower the coverage further."""
     side, seeds, step = 3700.0, 3, 2.0**-11
-    found = coverage(domains_of(poissontiles, "hierarchical", (side, side), 6001, seeds, precision="single"), side)
+    densities = coverage(domains_of(poissontiles, "hierarchical", (side, side), 6001, seeds, precision="single"), side)
     # Counts of a jammed set have a standard deviation of sqrt(points) / 4.
     error = 0.25 * JAMMED_COVERAGE / np.sqrt(seeds * DENSITY * side**2)
-    z = (found.mean() - JAMMED_COVERAGE + 0.3 * step) / error
-    assert abs(z) < 4.0, f"coverage {found.mean():.6f} is {z:.1f} standard errors from the expected value"
+    z = (densities.mean() - JAMMED_COVERAGE + 0.3 * step) / error
+    assert abs(z) < 4.0, f"coverage {densities.mean():.6f} is {z:.1f} standard errors from the expected value"
 
 
 def test_naive_darts_approach_the_jammed_state_at_the_known_rate(poissontiles):
@@ -147,9 +147,9 @@ def test_naive_darts_approach_the_jammed_state_at_the_known_rate(poissontiles):
     side, seeds = 48.0, 16
     missing = []
     for darts_each in [25, 100, 400]:
-        found = coverage(domains_of(poissontiles, "naive", (side, side), 4001, seeds, darts_each=darts_each), side)
-        assert z_of_mean(found, JAMMED_COVERAGE) < -4.0
-        missing.append(JAMMED_COVERAGE - found.mean())
+        densities = coverage(domains_of(poissontiles, "naive", (side, side), 4001, seeds, darts_each=darts_each), side)
+        assert z_of_mean(densities, JAMMED_COVERAGE) < -4.0
+        missing.append(JAMMED_COVERAGE - densities.mean())
     assert 1.8 < missing[0] / missing[1] < 2.2
     assert 1.8 < missing[1] / missing[2] < 2.2
 
@@ -166,18 +166,18 @@ def test_all_four_sides_have_equal_densities(poissontiles, method, torus):
         sides = []
         density.append(len(points) / size.prod())
         for axis, other in ((0, 1), (1, 0)):
-            place = points[:, axis]
+            coordinate = points[:, axis]
             # The corners, where two edges meet, are excluded.
-            away = np.abs(points[:, other] - 0.5 * size[other]) < 0.5 * size[other] - edges[-1]
-            for distance in (place, size[axis] - place):
-                counts, _ = np.histogram(distance[away], bins=edges)
+            is_inside = np.abs(points[:, other] - 0.5 * size[other]) < 0.5 * size[other] - edges[-1]
+            for distance in (coordinate, size[axis] - coordinate):
+                counts, _ = np.histogram(distance[is_inside], bins=edges)
                 sides.append(counts / ((edges[1] - edges[0]) * (size[other] - 2.0 * edges[-1])))
         rows.append(sides)
     rows = np.array(rows)
     differences = rows[:, 1:] - rows[:, :1]
     p = mean_differs_from(differences.reshape(seeds, -1), 0.0)
     assert p > ALPHA / 6, f"edges differ: p = {p:.2g}"
-    beside = z_of_mean(rows[:, :, 0].mean(axis=1) - density, 0.0)
+    edge_density = z_of_mean(rows[:, :, 0].mean(axis=1) - density, 0.0)
     # Beyond the border of a bounded domain, no points exclude positions inside, so the density near the border is higher. A seam has points on both
     # sides.
-    assert abs(beside) < 4.0 if torus else beside > 20.0
+    assert abs(edge_density) < 4.0 if torus else edge_density > 20.0

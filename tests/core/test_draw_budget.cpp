@@ -48,11 +48,11 @@ public:
 
 	/// Draws a cell. Returns false if the limit thins it.
 	bool draw(std::size_t at) {
-		const bool whole = budget.draw(layer, 1.0, ranks_, cells[at]);
-		if (!whole) {
+		const bool is_complete = budget.draw(layer, 1.0, ranks_, cells[at]);
+		if (!is_complete) {
 			budget.record_cut(key_of(static_cast<int>(at)));
 		}
-		return whole;
+		return is_complete;
 	}
 
 	void draw_all() {
@@ -210,11 +210,11 @@ TEST_CASE("draw budget: random tiles and limits settle within the limit, and use
 			CHECK(meadow.drawn_count() <= meadow.budget.limits().max_instances);
 		}
 		CHECK_FALSE(meadow.budget.begin_frame());
-		const auto most = static_cast<double>(meadow.budget.limits().max_instances);
-		const auto wanted = static_cast<double>(meadow.budget.amounts().wanted_count);
-		const auto drawn = static_cast<double>(meadow.drawn_count());
+		const auto max_instances = static_cast<double>(meadow.budget.limits().max_instances);
+		const auto wanted_count = static_cast<double>(meadow.budget.amounts().wanted_count);
+		const auto drawn_count = static_cast<double>(meadow.drawn_count());
 		// The 50 allows for rounding to whole instances in each cell.
-		CHECK(drawn >= std::min(0.69 * most, wanted) - 50.0);
+		CHECK(drawn_count >= std::min(0.69 * max_instances, wanted_count) - 50.0);
 	}
 }
 

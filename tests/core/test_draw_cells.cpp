@@ -82,16 +82,16 @@ TEST_CASE("draw cells: a cell keeps the tile's order, so thinning a cell matches
 		const DrawCells cells = divided(mesh, tile->origin, tile_of_hills, 4);
 		CHECK(cells.cells.size() > 4);
 		for (const double density : {0.0, 0.1, 0.25, 0.7, 1.0}) {
-			std::size_t drawn = 0;
+			std::size_t drawn_count = 0;
 			for (const DrawCell &cell : cells.cells) {
 				CHECK(std::ranges::is_sorted(cells.order_of(cell)));
 				const std::size_t prefix = visible_prefix(cells.ranks_of(cell), density);
 				for (const std::uint32_t i : cells.order_of(cell).first(prefix)) {
 					CHECK(i < visible_prefix(mesh.ranks(), density));
 				}
-				drawn += prefix;
+				drawn_count += prefix;
 			}
-			CHECK(drawn == visible_prefix(mesh.ranks(), density));
+			CHECK(drawn_count == visible_prefix(mesh.ranks(), density));
 		}
 	}
 }
@@ -135,9 +135,9 @@ TEST_CASE("draw cells: after a change, only cells whose instances differ need an
 	const std::vector<glm::vec2> positions{
 			{-10.0f, -10.0f}, {10.0f, -10.0f}, {-10.0f, 10.0f}, {10.0f, 10.0f}, {-11.0f, -11.0f}, {11.0f, 11.0f}};
 	const glm::dvec3 origin{0.0, 0.0, 64.0};
-	const auto reused = [&](const MeshInstances &now) {
+	const auto reused = [&](const MeshInstances &current) {
 		const CompactMesh before = standing_at(positions);
-		const CompactMesh after(now, nullptr, origin);
+		const CompactMesh after(current, nullptr, origin);
 		const std::vector<CellReuse> result = reuse_cells(
 				before, divided(before, origin, tile_of_hills, 2), after, divided(after, origin, tile_of_hills, 2));
 		// The index of each cell's former cell, or -1 if there is none; plus 10 if the cell is
@@ -148,14 +148,14 @@ TEST_CASE("draw cells: after a change, only cells whose instances differ need an
 		}
 		return cells;
 	};
-	MeshInstances now = floats_at(positions);
-	CHECK(reused(now) == std::vector{10, 11, 12, 13});
-	now.floats_of(4)[0] = 1.0f;
-	CHECK(reused(now) == std::vector{0, 11, 12, 13}); // An instance of the first cell is turned.
+	MeshInstances current = floats_at(positions);
+	CHECK(reused(current) == std::vector{10, 11, 12, 13});
+	current.floats_of(4)[0] = 1.0f;
+	CHECK(reused(current) == std::vector{0, 11, 12, 13}); // An instance of the first cell is turned.
 	CHECK(reused(floats_at({positions.begin(), positions.end() - 1})) == std::vector{10, 11, 12, 3});
-	now = floats_at({positions[0], positions[3], positions[4], positions[5]});
-	now.ids = {1, 4, 5, 6};
-	CHECK(reused(now) == std::vector{10, 13}); // The other quarters are empty now, so they have no cell.
+	current = floats_at({positions[0], positions[3], positions[4], positions[5]});
+	current.ids = {1, 4, 5, 6};
+	CHECK(reused(current) == std::vector{10, 13}); // The other quarters are empty now, so they have no cell.
 	CHECK(reused(floats_at({})).empty());
 }
 

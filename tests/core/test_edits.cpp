@@ -54,8 +54,8 @@ Rect changed_area(const std::map<std::uint64_t, Standing> &before, const std::ma
 	Rect area{glm::dvec2(nothing), glm::dvec2(nothing)};
 	const auto add_missing = [&area](const auto &from, const auto &other) {
 		for (const auto &[id, standing] : from) {
-			const auto found = other.find(id);
-			if (found == other.end() || !(found->second == standing)) {
+			const auto match = other.find(id);
+			if (match == other.end() || !(match->second == standing)) {
 				const glm::dvec2 at = standing.position;
 				area = std::isnan(area.min.x) ? Rect{at, at} : Rect{glm::min(area.min, at), glm::max(area.max, at)};
 			}
@@ -136,13 +136,13 @@ TEST_CASE("edits: an edit changes instances, all of them within its reach") {
 		}
 		const LayerSettings next = world.layer();
 		EditSearch search;
-		const EditedArea &found = search.find(layer, next);
-		CHECK_FALSE(found.everywhere);
+		const EditedArea &edits = search.find(layer, next);
+		CHECK_FALSE(edits.everywhere);
 		const auto after = standing_in(next, terrain, tile_of_hills);
 		const Rect area = changed_area(before, after);
 		if (!std::isnan(area.min.x)) {
 			CHECK(within(area, {edited.min - reach(next), edited.max + reach(next)}));
-			CHECK(within(area, around(found.areas)));
+			CHECK(within(area, around(edits.areas)));
 			++changes;
 		}
 		before = after;
@@ -165,10 +165,10 @@ TEST_CASE("edits: an undone edit restores everything") {
 	std::vector<std::uint8_t> pixels;
 	const PixelRect region = world.mask->pixels_of({{0.0, 40.0}, {40.0, 80.0}});
 	REQUIRE(world.mask->read(region, pixels).ok());
-	Rect changed;
-	REQUIRE(world.mask->paint({Brush::Mode::erase, {20.0, 60.0}, 15.0, 0.7, 0.3}, changed).ok());
+	Rect changed_rect;
+	REQUIRE(world.mask->paint({Brush::Mode::erase, {20.0, 60.0}, 15.0, 0.7, 0.3}, changed_rect).ok());
 	CHECK(standing_in(world.layer(), terrain, tile_of_hills) != before);
-	REQUIRE(world.mask->write(region, pixels, changed).ok());
+	REQUIRE(world.mask->write(region, pixels, changed_rect).ok());
 	world.shapes[0] = old;
 	CHECK(standing_in(world.layer(), terrain, tile_of_hills) == before);
 }
@@ -185,11 +185,11 @@ TEST_CASE("edits: shapes include and exclude the instances inside them") {
 		REQUIRE(set->set({shape}).ok());
 		LayerSettings shaped = layer;
 		shaped.rules.shapes = set;
-		const auto some = standing_in(shaped, terrain, tile_of_hills);
+		const auto remaining = standing_in(shaped, terrain, tile_of_hills);
 		for (const auto &[id, standing] : all) {
 			const double distance = std::hypot(standing.position.x - 5.0, standing.position.y - 60.0);
 			if (std::abs(distance - 20.0) > 1e-4) {
-				CHECK(some.contains(id) == ((distance < 20.0) != exclude));
+				CHECK(remaining.contains(id) == ((distance < 20.0) != exclude));
 			}
 		}
 	}
@@ -237,20 +237,21 @@ TEST_CASE("edge feather: holes, masks and shapes are edges, too") {
 	layer.rules.edge_feather = 6.0;
 	const FlatTerrain terrain(0.0f);
 	const auto soft_near = [&](const Rules &rules, glm::dvec2 edge) {
-		LayerSettings one = layer;
-		one.rules = rules;
-		one.rules.edge_feather = 0.0;
+		LayerSettings changed_layer = layer;
+		changed_layer.rules = rules;
+		changed_layer.rules.edge_feather = 0.0;
 		const Rect strip{edge - 1.0, edge + 1.0};
-		const auto hard = standing_in(one, terrain, strip);
-		one.rules.edge_feather = layer.rules.edge_feather;
-		return static_cast<double>(standing_in(one, terrain, strip).size()) / static_cast<double>(hard.size());
+		const auto hard = standing_in(changed_layer, terrain, strip);
+		changed_layer.rules.edge_feather = layer.rules.edge_feather;
+		return static_cast<double>(standing_in(changed_layer, terrain, strip).size()) /
+				static_cast<double>(hard.size());
 	};
 	CHECK(soft_near(layer.rules, {20.0, 0.0}) == 1.0);
 	Rules masked = layer.rules;
 	auto mask = std::make_shared<PaintedMask>();
 	REQUIRE(mask->reset(0.25, 1.0).ok());
-	Rect changed;
-	REQUIRE(mask->paint({Brush::Mode::erase, {0.0, 0.0}, 20.0, 1.0, 1.0}, changed).ok());
+	Rect changed_rect;
+	REQUIRE(mask->paint({Brush::Mode::erase, {0.0, 0.0}, 20.0, 1.0, 1.0}, changed_rect).ok());
 	masked.mask = mask;
 	CHECK(soft_near(masked, {21.5, 0.0}) < 0.4);
 	CHECK(soft_near(masked, {30.0, 0.0}) == 1.0);

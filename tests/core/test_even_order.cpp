@@ -43,19 +43,19 @@ double relative_radius(const PointSet &set, const std::vector<SamplePoint> &poin
 		}
 	}
 	std::ranges::sort(prefix, {}, [](glm::i64vec2 point) { return point.x; });
-	std::int64_t least = std::int64_t{1} << 60;
+	std::int64_t min_squared = std::int64_t{1} << 60;
 	for (std::size_t i = 0; i < prefix.size(); ++i) {
 		for (std::size_t j = i + 1; j < prefix.size(); ++j) {
-			const std::int64_t across = prefix[j].x - prefix[i].x;
-			if (across * across >= least) {
+			const std::int64_t dx = prefix[j].x - prefix[i].x;
+			if (dx * dx >= min_squared) {
 				break;
 			}
-			least = std::min(least, squared_distance(prefix[i], prefix[j]));
+			min_squared = std::min(min_squared, squared_distance(prefix[i], prefix[j]));
 		}
 	}
 	const double density = fraction * point_density(set);
 	const double maximal = std::sqrt(point_density({.radius = 1.0}) / density);
-	return std::sqrt(static_cast<double>(least)) * lattice_unit(set) / maximal;
+	return std::sqrt(static_cast<double>(min_squared)) * lattice_unit(set) / maximal;
 }
 
 } // namespace
@@ -65,20 +65,20 @@ TEST_CASE("even order: only ranks differ, and each stays within the ranks of its
 		CAPTURE(levels);
 		PointSet set{.seed = 3, .radius = 0.7, .levels = levels};
 		const Rect rect{{-40.0, 7.0}, {61.0, 90.0}};
-		const std::vector<SamplePoint> usual = sampled(set, rect);
+		const std::vector<SamplePoint> unordered = sampled(set, rect);
 		set.even_order = true;
 		const std::vector<SamplePoint> even = sampled(set, rect);
-		REQUIRE(even.size() == usual.size());
-		std::size_t moved = 0;
+		REQUIRE(even.size() == unordered.size());
+		std::size_t moved_count = 0;
 		for (std::size_t i = 0; i < even.size(); ++i) {
-			SamplePoint expected = usual[i];
+			SamplePoint expected = unordered[i];
 			expected.rank = even[i].rank;
 			REQUIRE(even[i] == expected);
-			REQUIRE(level_of_rank(levels, even[i].rank) == usual[i].level);
-			REQUIRE((usual[i].level + 1 < levels || even[i].rank == usual[i].rank));
-			moved += even[i].rank != usual[i].rank;
+			REQUIRE(level_of_rank(levels, even[i].rank) == unordered[i].level);
+			REQUIRE((unordered[i].level + 1 < levels || even[i].rank == unordered[i].rank));
+			moved_count += even[i].rank != unordered[i].rank;
 		}
-		CHECK((moved > 0) == (levels > 1));
+		CHECK((moved_count > 0) == (levels > 1));
 	}
 }
 
@@ -87,24 +87,24 @@ TEST_CASE("even order: ranks are the same in all windows, with threads and with 
 		CAPTURE(levels);
 		const PointSet set{.seed = 11, .levels = levels, .even_order = true};
 		const Rect rect{{-150.0, -70.0}, {60.0, 131.0}};
-		std::map<std::uint64_t, SamplePoint> whole;
+		std::map<std::uint64_t, SamplePoint> whole_region;
 		for (const SamplePoint &point : sampled(set, rect)) {
-			whole[point.id] = point;
+			whole_region[point.id] = point;
 		}
 		for (const double tile : {7.3, 16.0, 55.0}) {
 			CAPTURE(tile);
 			TileSampler sampler({}, std::make_shared<BlockCache>());
-			std::size_t found = 0;
+			std::size_t found_count = 0;
 			for (double y = rect.min.y; y < rect.max.y; y += tile) {
 				for (double x = rect.min.x; x < rect.max.x; x += tile) {
-					const Rect part{{x, y}, glm::min(glm::dvec2(x + tile, y + tile), rect.max)};
-					for (const SamplePoint &point : sampled(sampler, set, part)) {
-						REQUIRE(whole.at(point.id) == point);
-						++found;
+					const Rect tile_rect{{x, y}, glm::min(glm::dvec2(x + tile, y + tile), rect.max)};
+					for (const SamplePoint &point : sampled(sampler, set, tile_rect)) {
+						REQUIRE(whole_region.at(point.id) == point);
+						++found_count;
 					}
 				}
 			}
-			CHECK(found == whole.size());
+			CHECK(found_count == whole_region.size());
 		}
 	}
 }
@@ -141,8 +141,9 @@ TEST_CASE("even order: ranks follow the spacing, as compared with all points") {
 				spacing = std::min(spacing, squared_distance(at[i], at[j]));
 			}
 		}
-		const glm::dvec2 place = points[i].position;
-		if (points[i].level == 0 && std::min(place.x, place.y) >= 0.0 && std::max(place.x, place.y) < 24.0) {
+		const glm::dvec2 position = points[i].position;
+		if (points[i].level == 0 && std::min(position.x, position.y) >= 0.0 &&
+				std::max(position.x, position.y) < 24.0) {
 			spacing_by_rank[points[i].rank] = spacing;
 		}
 	}
@@ -157,13 +158,13 @@ TEST_CASE("even order: ranks follow the spacing, as compared with all points") {
 TEST_CASE("even order: every prefix from the coarsest level on keeps its distance") {
 	PointSet set{.seed = 8, .levels = 4};
 	const Rect rect{{0.0, 0.0}, {160.0, 160.0}};
-	const std::vector<SamplePoint> usual = sampled(set, rect);
+	const std::vector<SamplePoint> expected = sampled(set, rect);
 	set.even_order = true;
 	const std::vector<SamplePoint> even = sampled(set, rect);
 	double least_usual = 1.0;
 	double least_even = 1.0;
 	for (double fraction = 1.0 / 64.0; fraction <= 1.0; fraction *= 1.03) {
-		least_usual = std::min(least_usual, relative_radius(set, usual, fraction));
+		least_usual = std::min(least_usual, relative_radius(set, expected, fraction));
 		least_even = std::min(least_even, relative_radius(set, even, fraction));
 	}
 	CHECK(least_even > 0.75);

@@ -150,9 +150,9 @@ const std::vector<NamedRule> every_rule{
 		{"mask",
 				[](LayerSettings &layer) {
 					auto mask = std::make_shared<PaintedMask>();
-					Rect changed;
+					Rect changed_rect;
 					REQUIRE(mask->reset(0.7, 1.0).ok());
-					REQUIRE(mask->paint({Brush::Mode::erase, {-5.0, 66.0}, 28.0, 0.8, 0.2}, changed).ok());
+					REQUIRE(mask->paint({Brush::Mode::erase, {-5.0, 66.0}, 28.0, 0.8, 0.2}, changed_rect).ok());
 					layer.rules.mask = mask;
 				}},
 		{"clumps", [](LayerSettings &layer) { layer.rules.clumping = {18.0, 0.5, 0.4}; }},
@@ -267,7 +267,7 @@ LayerSettings layer_with_rules(std::span<const char *const> names) {
 /// with which the tile was generated. If the point has no instance, a factor must explain its
 /// absence. Returns the number of points without an instance.
 std::size_t check_factors(const LayerSettings &layer, const Terrain &terrain) {
-	const auto standing = ranks_of(built(layer, terrain, tile_of_hills));
+	const auto standing_ranks = ranks_of(built(layer, terrain, tile_of_hills));
 	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
 	std::vector<glm::dvec2> instance_positions;
 	for (const SamplePoint &point : points) {
@@ -277,23 +277,23 @@ std::size_t check_factors(const LayerSettings &layer, const Terrain &terrain) {
 	REQUIRE(probe.find(layer, instance_positions).ok());
 	REQUIRE(probe.evaluate(ground_for(probe, terrain)).ok());
 	std::vector<RuleFactor> factors;
-	std::size_t gone = 0;
+	std::size_t removed_count = 0;
 	for (std::size_t i = 0; i < points.size(); ++i) {
 		REQUIRE(probe.factors_at(i, factors).ok());
 		const double density = product_of(factors);
 		REQUIRE(density == probe.density_at(i));
-		const auto found = standing.find(points[i].id);
-		REQUIRE(is_placed(points[i].rank, density) == (found != standing.end()));
-		if (found != standing.end()) {
-			REQUIRE(thinning_rank(points[i].rank, density) == found->second);
+		const auto match = standing_ranks.find(points[i].id);
+		REQUIRE(is_placed(points[i].rank, density) == (match != standing_ranks.end()));
+		if (match != standing_ranks.end()) {
+			REQUIRE(thinning_rank(points[i].rank, density) == match->second);
 			continue;
 		}
-		++gone;
-		const RuleFactor *least = strictest(factors);
-		REQUIRE(least != nullptr);
-		REQUIRE((density > 0.0 || least->density <= 0.0));
+		++removed_count;
+		const RuleFactor *strictest_factor = strictest(factors);
+		REQUIRE(strictest_factor != nullptr);
+		REQUIRE((density > 0.0 || strictest_factor->density <= 0.0));
 	}
-	return gone;
+	return removed_count;
 }
 
 } // namespace
@@ -306,8 +306,8 @@ TEST_CASE("every rule: removes points, and the remaining ones are bit-identical"
 		CAPTURE(rule.name);
 		LayerSettings ruled = open;
 		rule.add(ruled);
-		const Transforms some = transforms_of(built(ruled, terrain, tile_of_hills));
-		check_filtered(all, some);
+		const Transforms filtered = transforms_of(built(ruled, terrain, tile_of_hills));
+		check_filtered(all, filtered);
 	}
 }
 
@@ -318,22 +318,22 @@ TEST_CASE("every rule: tiles of any size, strips and negative tiles together equ
 		CAPTURE(rule.name);
 		LayerSettings layer = plain_layer();
 		rule.add(layer);
-		const auto whole = instance_positions(layer, terrain, tile_of_hills);
+		const auto whole_tile = instance_positions(layer, terrain, tile_of_hills);
 		for (const glm::dvec2 size : sizes) {
 			std::size_t count = 0;
 			for (double y = tile_of_hills.max.y; y > tile_of_hills.min.y; y -= size.y) {
 				for (double x = tile_of_hills.min.x; x < tile_of_hills.max.x; x += size.x) {
-					const Rect part{{x, std::max(y - size.y, tile_of_hills.min.y)},
+					const Rect slice{{x, std::max(y - size.y, tile_of_hills.min.y)},
 							{std::min(x + size.x, tile_of_hills.max.x), y}};
-					for (const auto &[id, position] : instance_positions(layer, terrain, part)) {
-						const auto found = whole.find(id);
-						REQUIRE(found != whole.end());
-						CHECK(near(found->second, position));
+					for (const auto &[id, position] : instance_positions(layer, terrain, slice)) {
+						const auto match = whole_tile.find(id);
+						REQUIRE(match != whole_tile.end());
+						CHECK(near(match->second, position));
 						++count;
 					}
 				}
 			}
-			CHECK(count == whole.size());
+			CHECK(count == whole_tile.size());
 		}
 	}
 }
@@ -370,23 +370,23 @@ TEST_CASE("every rule: the product of its factors is bit-identical to the densit
 		rule.add(layer);
 		CHECK(check_factors(layer, terrain) > 50);
 	}
-	constexpr std::array many{"density", "height falloff", "density over height", "density over slope", "field", "mask",
-			"clumps", "ground textures", "edge feather", "path", "proximity"};
-	CHECK(check_factors(layer_with_rules(many), terrain) > 1000);
+	constexpr std::array common_rules{"density", "height falloff", "density over height", "density over slope", "field",
+			"mask", "clumps", "ground textures", "edge feather", "path", "proximity"};
+	CHECK(check_factors(layer_with_rules(common_rules), terrain) > 1000);
 	CHECK(check_factors(plain_layer(), terrain) == 0);
 }
 
 TEST_CASE("every rule: a position is explained by the set's nearest point, as in its tile") {
 	const TexturedHills terrain;
-	constexpr std::array some{"slope falloff", "mask", "edge feather", "path", "spacing"};
-	const LayerSettings layer = layer_with_rules(some);
-	const auto standing = ranks_of(built(layer, terrain, tile_of_hills));
+	constexpr std::array partial_rules{"slope falloff", "mask", "edge feather", "path", "spacing"};
+	const LayerSettings layer = layer_with_rules(partial_rules);
+	const auto standing_ranks = ranks_of(built(layer, terrain, tile_of_hills));
 	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
 	std::mt19937 random(7);
 	std::uniform_real_distribution<double> along(4.0, 124.0);
 	PositionExplainer explainer;
 	PositionExplanation explanation;
-	std::size_t here = 0;
+	std::size_t count = 0;
 	for (int i = 0; i < 1000; ++i) {
 		const glm::dvec2 position = tile_of_hills.min + glm::dvec2(along(random), along(random));
 		REQUIRE(explainer.find(layer, {position.x, 0.0, position.y}).ok());
@@ -396,13 +396,13 @@ TEST_CASE("every rule: a position is explained by the set's nearest point, as in
 		REQUIRE(explanation.point == *nearest);
 		REQUIRE(explanation.distance == doctest::Approx(glm::distance(nearest->position, position)));
 		REQUIRE(explanation.distance <= layer.set.radius);
-		REQUIRE(explanation.is_placed() == standing.contains(nearest->id));
+		REQUIRE(explanation.is_placed() == standing_ranks.contains(nearest->id));
 		REQUIRE(explanation.at_position.density == product_of(explanation.at_position.factors));
 		REQUIRE(explanation.at_position.ground.height == terrain.at(position).height);
-		here += explanation.is_placed() ? 1 : 0;
+		count += explanation.is_placed() ? 1 : 0;
 	}
-	CHECK(here > 50);
-	CHECK(here < 950);
+	CHECK(count > 50);
+	CHECK(count < 950);
 }
 
 TEST_CASE("every rule: the mesh of an instance is explained as in its tile") {
@@ -448,9 +448,9 @@ TEST_CASE("every rule: the mesh of an instance is explained as in its tile") {
 	}
 	layer.mesh_rules[0]->fields = {std::make_shared<FailingField>()};
 	REQUIRE(explainer.find(layer, {0.0, 0.0, 10.0}).ok());
-	const Status failed = explainer.explain(ground_for(explainer, terrain), explanation);
-	CHECK(failed.code == ErrorCode::wrong_type);
-	CHECK(std::string(failed.property) == "noise");
+	const Status status = explainer.explain(ground_for(explainer, terrain), explanation);
+	CHECK(status.code == ErrorCode::wrong_type);
+	CHECK(std::string(status.property) == "noise");
 }
 
 TEST_CASE("every rule: the error for a position that cannot be explained names the property") {
@@ -459,9 +459,9 @@ TEST_CASE("every rule: the error for a position that cannot be explained names t
 	const double nan = std::numeric_limits<double>::quiet_NaN();
 	CHECK(std::string(explainer.find(plain_layer(), {0.0, 0.0, nan}).property) == "position");
 	CHECK(explainer.find(plain_layer(), {1e12, 0.0, 0.0}).code == ErrorCode::out_of_range);
-	LayerSettings wrong = plain_layer();
-	wrong.rules.density = 2.0;
-	CHECK(std::string(explainer.find(wrong, {0.0, 0.0, 0.0}).property) == "density");
+	LayerSettings invalid_layer = plain_layer();
+	invalid_layer.rules.density = 2.0;
+	CHECK(std::string(explainer.find(invalid_layer, {0.0, 0.0, 0.0}).property) == "density");
 	DensityProbe probe;
 	CHECK(probe.evaluate({}).code == ErrorCode::missing);
 	CHECK(probe.find(plain_layer(), {}).code == ErrorCode::missing);

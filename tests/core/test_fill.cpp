@@ -27,16 +27,16 @@ namespace {
 
 const FlatTerrain flat(0.0f);
 
-std::shared_ptr<LayerSettings> layer_of(std::uint16_t number, double radius) {
+std::shared_ptr<LayerSettings> layer_of(std::uint16_t index, double radius) {
 	auto layer = std::make_shared<LayerSettings>();
-	layer->set = {.seed = 2007, .radius = radius, .levels = 1, .layer = number};
+	layer->set = {.seed = 2007, .radius = radius, .levels = 1, .layer = index};
 	return layer;
 }
 
 /// Returns a layer that fills the gaps around `other`, at `distance` meters.
 std::shared_ptr<LayerSettings> filling(
-		std::uint16_t number, double radius, std::shared_ptr<const LayerSettings> other, double distance) {
-	auto layer = layer_of(number, radius);
+		std::uint16_t index, double radius, std::shared_ptr<const LayerSettings> other, double distance) {
+	auto layer = layer_of(index, radius);
 	layer->neighbors = {{std::move(other), distance, nullptr}};
 	layer->spacing_fills = true;
 	return layer;
@@ -62,8 +62,8 @@ Instances instance_positions(const LayerSettings &layer, const Terrain &terrain,
 	return result;
 }
 
-bool any_near(glm::dvec2 position, const Instances &others, double distance) {
-	return std::ranges::any_of(others, [&](const auto &entry) {
+bool any_near(glm::dvec2 position, const Instances &placed, double distance) {
+	return std::ranges::any_of(placed, [&](const auto &entry) {
 		const glm::dvec2 offset = entry.second - position;
 		return offset.x * offset.x + offset.y * offset.y < distance * distance;
 	});
@@ -72,9 +72,9 @@ bool any_near(glm::dvec2 position, const Instances &others, double distance) {
 /// Returns how many of `count` random lattice positions of `rect` are open to an instance of the
 /// layer. `all` are its instances in and around the rectangle.
 int open_positions(const LayerSettings &layer, const Instances &all, const Rect &rect, int count) {
-	std::vector<Instances> others;
+	std::vector<Instances> neighbors;
 	for (const Neighbor &neighbor : layer.neighbors) {
-		others.push_back(instance_positions(*neighbor.layer, flat, grown(rect, neighbor.distance)));
+		neighbors.push_back(instance_positions(*neighbor.layer, flat, grown(rect, neighbor.distance)));
 	}
 	std::mt19937_64 random(17);
 	const auto along = [&random](double from, double to) {
@@ -84,18 +84,18 @@ int open_positions(const LayerSettings &layer, const Instances &all, const Rect 
 	int open = 0;
 	for (int i = 0; i < count; ++i) {
 		glm::dvec2 position(along(rect.min.x, rect.max.x), along(rect.min.y, rect.max.y));
-		if (i % 2 == 0 && !others[0].empty()) {
+		if (i % 2 == 0 && !neighbors[0].empty()) {
 			// The last gaps lie just outside of the spacing.
-			auto one = others[0].begin();
-			std::advance(one, static_cast<std::ptrdiff_t>(random() % others[0].size()));
+			auto random_entry = neighbors[0].begin();
+			std::advance(random_entry, static_cast<std::ptrdiff_t>(random() % neighbors[0].size()));
 			const double angle = along(0.0, 6.283);
-			position = one->second +
+			position = random_entry->second +
 					(layer.neighbors[0].distance + 3.0 * unit) * glm::dvec2(std::cos(angle), std::sin(angle));
 		}
 		position = glm::floor(position / unit) * unit;
 		bool is_open = rect.contains(position) && !any_near(position, all, layer.set.radius * (1.0 - 1e-9));
-		for (std::size_t other = 0; other < others.size(); ++other) {
-			is_open = is_open && !any_near(position, others[other], layer.neighbors[other].distance);
+		for (std::size_t other = 0; other < neighbors.size(); ++other) {
+			is_open = is_open && !any_near(position, neighbors[other], layer.neighbors[other].distance);
 		}
 		open += is_open ? 1 : 0;
 	}
@@ -106,10 +106,10 @@ int open_positions(const LayerSettings &layer, const Instances &all, const Rect 
 void check_full(const LayerSettings &layer, const Rect &rect) {
 	const Instances all = instance_positions(layer, flat, grown(rect, layer.set.radius));
 	for (const Neighbor &neighbor : layer.neighbors) {
-		const Instances others =
+		const Instances expected =
 				instance_positions(*neighbor.layer, flat, grown(rect, neighbor.distance + layer.set.radius));
 		CHECK(std::ranges::none_of(
-				all, [&](const auto &entry) { return any_near(entry.second, others, neighbor.distance); }));
+				all, [&](const auto &entry) { return any_near(entry.second, expected, neighbor.distance); }));
 	}
 	CHECK(open_positions(layer, all, rect, 3000) == 0);
 }
@@ -139,13 +139,13 @@ TEST_CASE("fill: two species of one radius are together as dense as one") {
 	const auto oaks = layer_of(0, 4.0);
 	oaks->rules.density = 0.5;
 	LayerSettings birches = *filling(1, 4.0, oaks, 4.0);
-	const std::size_t one = count_in(*layer_of(0, 4.0), meadow);
-	const std::size_t filled = count_in(birches, meadow);
+	const std::size_t single_count = count_in(*layer_of(0, 4.0), meadow);
+	const std::size_t filled_count = count_in(birches, meadow);
 	birches.spacing_fills = false;
 	const std::size_t thinned = count_in(birches, meadow);
-	CHECK(static_cast<double>(count_in(*oaks, meadow) + filled) / static_cast<double>(one) ==
+	CHECK(static_cast<double>(count_in(*oaks, meadow) + filled_count) / static_cast<double>(single_count) ==
 			doctest::Approx(1.0).epsilon(0.05));
-	CHECK(filled > thinned * 17 / 10);
+	CHECK(filled_count > thinned * 17 / 10);
 }
 
 TEST_CASE("fill: any tiling has the same instances, in one step or several, on any number of threads") {
@@ -160,8 +160,8 @@ TEST_CASE("fill: any tiling has the same instances, in one step or several, on a
 	ferns->set.levels = 2;
 	const Rect region{{-100.0, -60.0}, {140.0, 120.0}};
 	for (const LayerSettings &layer : {*birches, *ferns}) {
-		const Instances whole = instance_positions(layer, terrain, region);
-		CHECK(whole.size() > 500);
+		const Instances whole_region = instance_positions(layer, terrain, region);
+		CHECK(whole_region.size() > 500);
 		for (const double side : {14.0, 47.0}) {
 			Instances parts;
 			for (double y = region.max.y; y > region.min.y; y -= side) {
@@ -170,14 +170,14 @@ TEST_CASE("fill: any tiling has the same instances, in one step or several, on a
 					parts.merge(instance_positions(layer, terrain, tile));
 				}
 			}
-			CHECK(parts == whole);
+			CHECK(parts == whole_region);
 		}
 		const TileInstances tile = built(layer, terrain, region);
-		CHECK(size_of(tile) == whole.size());
+		CHECK(size_of(tile) == whole_region.size());
 		CountedThreads threads(3);
-		TileInstances together;
-		REQUIRE(TileBuilder().build(layer, terrain, region, together, nullptr, &threads).ok());
-		CHECK(transforms_of(together) == transforms_of(tile));
+		TileInstances joined_tile;
+		REQUIRE(TileBuilder().build(layer, terrain, region, joined_tile, nullptr, &threads).ok());
+		CHECK(transforms_of(joined_tile) == transforms_of(tile));
 
 		TileBuilder steps;
 		REQUIRE(steps.find_points(layer, region).ok());
@@ -189,12 +189,12 @@ TEST_CASE("fill: any tiling has the same instances, in one step or several, on a
 			if (steps.is_complete()) {
 				break;
 			}
-			TileInstances early;
-			CHECK_FALSE(steps.place(ground, early).ok());
+			TileInstances early_tile;
+			CHECK_FALSE(steps.place(ground, early_tile).ok());
 			REQUIRE(steps.find_further(ground).ok());
 		}
 		CHECK(count >= (layer.set.layer == 1 ? 2 : 3)); // There are more if a chain leaves the first margin.
-		for (int again = 0; again < 2; ++again) {
+		for (int round = 0; round < 2; ++round) {
 			TileInstances last;
 			REQUIRE(steps.place(ground, last).ok());
 			CHECK(digest(last) == digest(tile));
@@ -220,14 +220,14 @@ TEST_CASE("fill: an edit of the earlier layer moves points near the edit, and no
 	clearing.half_size = {12.0, 0.0, 0.0};
 	const auto shapes = std::make_shared<ShapeSet>();
 	REQUIRE(shapes->set({clearing}).ok());
-	const auto none = std::make_shared<ShapeSet>();
+	const auto no_shapes = std::make_shared<ShapeSet>();
 	const auto oaks = layer_of(0, 4.0);
 	oaks->rules.density = 0.7;
-	oaks->rules.shapes = none;
-	auto cut = std::make_shared<LayerSettings>(*oaks);
-	cut->rules.shapes = shapes;
+	oaks->rules.shapes = no_shapes;
+	auto cut_oaks = std::make_shared<LayerSettings>(*oaks);
+	cut_oaks->rules.shapes = shapes;
 	const auto before = filling(1, 2.0, oaks, 2.5);
-	const auto after = filling(1, 2.0, cut, 2.5);
+	const auto after = filling(1, 2.0, cut_oaks, 2.5);
 	const auto ferns_before = filling(2, 1.0, before, 1.0);
 	const auto ferns_after = filling(2, 1.0, after, 1.0);
 	using Versions = std::pair<const LayerSettings *, const LayerSettings *>;
@@ -237,23 +237,23 @@ TEST_CASE("fill: an edit of the earlier layer moves points near the edit, and no
 		const EditedArea &area = search.find(*was, *is);
 		REQUIRE_FALSE(area.everywhere);
 		const Instances old = instance_positions(*was, flat, meadow);
-		const Instances now = instance_positions(*is, flat, meadow);
-		const auto far = [](glm::dvec2 position) {
+		const Instances updated = instance_positions(*is, flat, meadow);
+		const auto is_far = [](glm::dvec2 position) {
 			return glm::distance(position, {20.0, 160.0}) > 12.0 + 2.5;
 		};
 		std::size_t moved_far = 0;
 		for (const auto &[id, position] : old) {
-			const auto same = now.find(id);
-			if (same == now.end() || same->second != position) {
+			const auto match = updated.find(id);
+			if (match == updated.end() || match->second != position) {
 				CHECK(area.touches({position, position}));
-				moved_far += far(position) ? 1 : 0;
+				moved_far += is_far(position) ? 1 : 0;
 			}
 		}
-		for (const auto &[id, position] : now) {
+		for (const auto &[id, position] : updated) {
 			CHECK((old.contains(id) || area.touches({position, position})));
 		}
 		CHECK(moved_far > 0);
-		CHECK(now.size() != old.size());
+		CHECK(updated.size() != old.size());
 	}
 	CHECK(reach(*ferns_after) > reach(*after));
 	CHECK(reach(*after) > 2.5 + 13.0 * 2.0);
@@ -268,11 +268,11 @@ TEST_CASE("fill: proximity, surfaces and layers without neighbors do not fill") 
 	CHECK_FALSE(fills(layer));
 	layer.neighbors = {{oaks, 3.0, nullptr}};
 	CHECK(fills(layer));
-	const double filled = points_to_sample(layer, 64.0);
+	const double filled_count = points_to_sample(layer, 64.0);
 	layer.set.on_surface = true;
 	CHECK_FALSE(fills(layer));
 	layer.set.on_surface = false;
 	layer.spacing_fills = false;
 	CHECK_FALSE(fills(layer));
-	CHECK(points_to_sample(layer, 64.0) < filled);
+	CHECK(points_to_sample(layer, 64.0) < filled_count);
 }

@@ -14,15 +14,15 @@ constexpr std::uint64_t prefix = std::uint64_t{0x8001} << 48;
 
 /// The IDs in use, and the number of IDs that were checked.
 struct Ids {
-	std::set<std::uint64_t> taken;
+	std::set<std::uint64_t> used_ids;
 	std::size_t checks = 0;
 
 	std::uint64_t take(std::uint64_t first) {
 		const std::uint64_t id = free_id(prefix, first, [this](std::uint64_t any) {
 			++checks;
-			return taken.contains(any);
+			return used_ids.contains(any);
 		});
-		CHECK(taken.insert(id).second);
+		CHECK(used_ids.insert(id).second);
 		return id;
 	}
 };
@@ -50,9 +50,9 @@ TEST_CASE("free id: gaps are used or skipped, and no ID is returned twice") {
 		ids.take(random() % 8);
 		REQUIRE(ids.checks < 100);
 		if (random() % 3 == 0) {
-			const auto any = ids.taken.lower_bound(prefix | random() % 7000);
-			if (any != ids.taken.end()) {
-				ids.taken.erase(any);
+			const auto any = ids.used_ids.lower_bound(prefix | random() % 7000);
+			if (any != ids.used_ids.end()) {
+				ids.used_ids.erase(any);
 			}
 		}
 	}
@@ -60,9 +60,9 @@ TEST_CASE("free id: gaps are used or skipped, and no ID is returned twice") {
 
 TEST_CASE("free id: IDs in use at all doubled distances restart the search elsewhere") {
 	Ids ids;
-	ids.taken.insert(prefix | 5);
+	ids.used_ids.insert(prefix | 5);
 	for (std::uint64_t step = 1; step < std::uint64_t{1} << 48; step *= 2) {
-		ids.taken.insert(prefix | ((5 + step) & 0xffffffffffff));
+		ids.used_ids.insert(prefix | ((5 + step) & 0xffffffffffff));
 	}
 	ids.take(5);
 	CHECK(ids.checks < 100);
@@ -74,7 +74,7 @@ TEST_CASE("free id: IDs in use at all doubled distances restart the search elsew
 
 TEST_CASE("free id: many equal instances get the same IDs together as one by one") {
 	InstanceState one_by_one;
-	InstanceState together;
+	InstanceState joined_state;
 	std::vector<AddedInstance> equal(3000, instance_at(5.0, 7.0));
 	for (std::size_t at = 0; at < equal.size(); at += 7) {
 		equal[at] = instance_at(static_cast<double>(at), 0.0);
@@ -85,13 +85,13 @@ TEST_CASE("free id: many equal instances get the same IDs together as one by one
 	}
 	std::vector<std::uint64_t> ids;
 	std::vector<InstanceChange> changes;
-	REQUIRE(together.add_all(equal, ids, changes).ok());
+	REQUIRE(joined_state.add_all(equal, ids, changes).ok());
 	CHECK(ids == expected);
 	CHECK(std::set<std::uint64_t>(ids.begin(), ids.end()).size() == ids.size());
 	// As for every instance without equals, the first ID is the same as in release 0.2.0.
 	AddedInstance oak = instance_at(1.5, -2.5, 4);
 	oak.mesh = 2;
 	oak.basis[0][1] = 0.25f;
-	CHECK(added_to(together, oak) == 0x8004cd76691298f4);
-	CHECK(added_to(together, oak) == 0x8004cd76691298f5);
+	CHECK(added_to(joined_state, oak) == 0x8004cd76691298f4);
+	CHECK(added_to(joined_state, oak) == 0x8004cd76691298f5);
 }

@@ -29,10 +29,10 @@ def sanitized() -> Path:
 def fuzz(program: Path, seconds: int, *seed: str):
     # If memory runs out, an allocation must fail instead of aborting the program, so that the call can return an error.
     environment = {**os.environ, "ASAN_OPTIONS": "allocator_may_return_null=1"}
-    done = run([program, str(seconds), *seed], timeout=seconds + 120, env=environment)
-    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
-    inputs = re.search(r"(\d+) inputs", done.stdout)
-    assert inputs and int(inputs[1]) >= 100, done.stdout
+    result = run([program, str(seconds), *seed], timeout=seconds + 120, env=environment)
+    assert result.returncode == 0, result.stdout[-4000:] + result.stderr[-4000:]
+    inputs = re.search(r"(\d+) inputs", result.stdout)
+    assert inputs and int(inputs[1]) >= 100, result.stdout
 
 
 @pytest.mark.parametrize("target", TARGETS)

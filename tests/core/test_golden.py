@@ -57,9 +57,9 @@ def had(one: Outcome) -> Outcome:
 
 
 def test_digests_of_every_instruction_set(core_tool):
-    done = core_tool("analysis/golden")
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout) == GOLDEN
+    result = core_tool("analysis/golden")
+    assert result.returncode == 0, result.stderr
+    assert json.loads(result.stdout) == GOLDEN
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in PLAIN else pytest.mark.full) for name in CELLS])
@@ -83,9 +83,9 @@ FULLEST = [f"{NATIVE} g++ -O1", f"{NATIVE} clang++ -O1", *(f"{each.name} zig -O3
 @pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in PLAIN else pytest.mark.full) for name in FULLEST])
 def test_instruction_sets_of_a_cell(outcome, name):
     """Checks that, according to its output, the program has computed all digests with the expected instruction sets."""
-    seen = outcome(name).instruction_sets
-    assert set(VECTORS[CELLS[name].platform.name]) <= set(seen)
-    assert set(seen) & EMULATED
+    used_sets = outcome(name).instruction_sets
+    assert set(VECTORS[CELLS[name].platform.name]) <= set(used_sets)
+    assert set(used_sets) & EMULATED
 
 
 def test_widths_of_this_processor(outcome):
@@ -96,7 +96,7 @@ def test_widths_of_this_processor(outcome):
             flags = next((line.split() for line in file if line.startswith("flags")), [])
     except OSError:
         pytest.skip("this system has no /proc/cpuinfo")
-    wanted = {words[flag] for flag in flags if flag in words}
-    if not wanted:
+    expected_sets = {words[flag] for flag in flags if flag in words}
+    if not expected_sets:
         pytest.skip("/proc/cpuinfo lists no wide vectors for this processor")
-    assert wanted <= set(outcome(f"{NATIVE} g++ -O1").instruction_sets)
+    assert expected_sets <= set(outcome(f"{NATIVE} g++ -O1").instruction_sets)

@@ -84,9 +84,9 @@ std::size_t check_surface(const Terrain &terrain, double twist) {
 	CHECK(surface->bounds().max.y == bounds.max.y);
 
 	std::mt19937 random(3);
-	std::vector<std::uint32_t> found;
-	surface->find({bounds.min, bounds.max}, found);
-	CHECK(found == all);
+	std::vector<std::uint32_t> results;
+	surface->find({bounds.min, bounds.max}, results);
+	CHECK(results == all);
 	for (int search = 0; search < 60; ++search) {
 		Box3 box = no_box;
 		for (int end = 0; end < 2; ++end) {
@@ -99,17 +99,17 @@ std::size_t check_surface(const Terrain &terrain, double twist) {
 			box = with(box, at);
 		}
 		box.max = search % 3 == 0 ? box.min : box.max;
-		surface->find(box, found);
+		surface->find(box, results);
 		std::vector<std::uint32_t> expected;
 		std::ranges::copy_if(all, std::back_inserter(expected),
 				[&](std::uint32_t index) { return touch(surface->triangle_bounds(index), box); });
-		CHECK(found == expected);
+		CHECK(results == expected);
 	}
 	const double infinity = std::numeric_limits<double>::infinity();
-	surface->find({glm::dvec3(-infinity), glm::dvec3(infinity)}, found);
-	CHECK(found == all);
-	surface->find({glm::dvec3(std::nan("")), glm::dvec3(std::nan(""))}, found);
-	CHECK(found.empty());
+	surface->find({glm::dvec3(-infinity), glm::dvec3(infinity)}, results);
+	CHECK(results == all);
+	surface->find({glm::dvec3(std::nan("")), glm::dvec3(std::nan(""))}, results);
+	CHECK(results.empty());
 	return all.size();
 }
 
@@ -139,21 +139,22 @@ TEST_CASE("grid surface: float samples in meters or units, without the patches a
 		const float high = meaning == FloatPosts::meters ? 6.0f : 1.0f;
 		const std::vector<float> heights = random_heights(count, 0.0f, high, true);
 		const Heightfield field = field_of(heights, meaning);
-		std::size_t whole = 0;
+		std::size_t whole_count = 0;
 		for (int row = 0; row + 1 < frame.posts.y; ++row) {
 			for (int column = 0; column + 1 < frame.posts.x; ++column) {
 				const float *first = &heights[static_cast<std::size_t>(row * frame.posts.x + column)];
-				whole += std::isnan(first[0] + first[1] + first[frame.posts.x] + first[frame.posts.x + 1]) ? 0 : 1;
+				whole_count +=
+						std::isnan(first[0] + first[1] + first[frame.posts.x] + first[frame.posts.x + 1]) ? 0 : 1;
 			}
 		}
-		CHECK(check_surface(field, 50.0) == 2 * whole);
+		CHECK(check_surface(field, 50.0) == 2 * whole_count);
 	}
-	const Heightfield none = field_of(std::vector<float>(count, std::nanf("")), FloatPosts::meters);
-	CHECK(is_empty(none.surface()->bounds()));
-	CHECK(none.surface()->area() == 0.0);
-	std::vector<std::uint32_t> found{1};
-	none.surface()->find({glm::dvec3(-100.0), glm::dvec3(100.0)}, found);
-	CHECK(found.empty());
+	const Heightfield no_heights = field_of(std::vector<float>(count, std::nanf("")), FloatPosts::meters);
+	CHECK(is_empty(no_heights.surface()->bounds()));
+	CHECK(no_heights.surface()->area() == 0.0);
+	std::vector<std::uint32_t> results{1};
+	no_heights.surface()->find({glm::dvec3(-100.0), glm::dvec3(100.0)}, results);
+	CHECK(results.empty());
 }
 
 TEST_CASE("grid surface: on an inclined plane, the area and the heights are exact") {

@@ -108,14 +108,14 @@ TEST_CASE("ground: edges are probed without normals if no rule of the layer uses
 
 TEST_CASE("ground: of the neighbor layers, only those with a slope rule query normals") {
 	LayerSettings layer = upright_layer();
-	auto around = std::make_shared<LayerSettings>(upright_layer());
-	around->set.layer = 4;
-	around->placement.align_to_normal = 1.0; // Only the positions of this layer matter, not its orientation.
-	layer.neighbors = {{around, 1.0, nullptr}};
+	auto neighbor_layer = std::make_shared<LayerSettings>(upright_layer());
+	neighbor_layer->set.layer = 4;
+	neighbor_layer->placement.align_to_normal = 1.0; // Only the positions of this layer matter, not its orientation.
+	layer.neighbors = {{neighbor_layer, 1.0, nullptr}};
 	const CountingHills ground;
 	check_same_transforms(layer, ground);
 	CHECK(ground.with_normals == 0);
-	around->rules.max_slope_degrees = 40.0;
+	neighbor_layer->rules.max_slope_degrees = 40.0;
 	const CountingHills steep;
 	check_same_transforms(layer, steep);
 	CHECK(steep.with_normals > 500);
@@ -178,7 +178,7 @@ TEST_CASE("ground: lent threads share the points of a large rectangle whose grou
 	TileBuilder builder;
 	REQUIRE(builder.find_points(upright_layer(), {{-200.0, -190.0}, {200.0, 190.0}}, nullptr, &threads).ok());
 	CHECK(threads.runs > 0);
-	const std::vector<glm::dvec2> together(builder.positions().begin(), builder.positions().end());
+	const std::vector<glm::dvec2> all_positions(builder.positions().begin(), builder.positions().end());
 	REQUIRE(builder.find_points(upright_layer(), {{-200.0, -190.0}, {200.0, 190.0}}).ok());
-	CHECK(std::ranges::equal(builder.positions(), together));
+	CHECK(std::ranges::equal(builder.positions(), all_positions));
 }

@@ -19,7 +19,7 @@ using namespace thicket::test;
 
 namespace {
 
-constexpr float none = std::numeric_limits<float>::quiet_NaN();
+constexpr float no_height = std::numeric_limits<float>::quiet_NaN();
 constexpr double tolerance = 0.01;
 constexpr double tile_size = 10.0;
 
@@ -37,27 +37,27 @@ public:
 	}
 
 	void show(const TileKey &key, int probes, float height, bool outdated = false) {
-		std::vector<GroundProbe> kept;
-		const double left = tile_size * key.tile.x;
+		std::vector<GroundProbe> recorded_probes;
+		const double left_edge = tile_size * key.tile.x;
 		for (int i = 0; i < probes; ++i) {
-			kept.push_back({{left + (i + 0.5) * tile_size / probes, 5.0}, height});
+			recorded_probes.push_back({{left_edge + (i + 0.5) * tile_size / probes, 5.0}, height});
 		}
-		recheck.show(key, {{left, 0.0}, {left + tile_size, tile_size}}, kept, outdated);
+		recheck.show(key, {{left_edge, 0.0}, {left_edge + tile_size, tile_size}}, recorded_probes, outdated);
 	}
 
 	/// Simulates a frame in which up to 16 heights are read.
 	void frame(const Height &height) {
-		now += 1.0 / 60.0;
+		time += 1.0 / 60.0;
 		std::vector<glm::dvec2> positions;
-		recheck.next(now, 16, positions);
+		recheck.next(time, 16, positions);
 		max_per_call = std::max(max_per_call, positions.size());
 		std::vector<std::optional<float>> heights;
 		for (const glm::dvec2 position : positions) {
 			++reads[position.x];
 			heights.push_back(height(position));
 		}
-		recheck.answer(now, heights, tolerance);
-		for (const glm::dvec2 change : recheck.take_changes(now)) {
+		recheck.answer(time, heights, tolerance);
+		for (const glm::dvec2 change : recheck.take_changes(time)) {
 			changes.push_back(change.x);
 		}
 	}
@@ -69,7 +69,7 @@ public:
 	}
 
 	GroundRecheck recheck;
-	double now = 100.0;
+	double time = 100.0;
 	std::size_t max_per_call = 0;
 	std::map<double, int> reads; ///< The number of reads at each x.
 	std::vector<double> changes; ///< The x of each found change.
@@ -125,11 +125,11 @@ TEST_CASE("ground recheck: a change under a single probe is found eventually") {
 
 TEST_CASE("ground recheck: ground that appears or disappears is a change; small and unknown changes are not") {
 	Row row(3);
-	row.show({0, 0, {1, 0}}, 4, none);
-	row.frames(200, [](glm::dvec2 at) { return at.x > 10.0 && at.x < 20.0 ? none : 0.009F; });
+	row.show({0, 0, {1, 0}}, 4, no_height);
+	row.frames(200, [](glm::dvec2 at) { return at.x > 10.0 && at.x < 20.0 ? no_height : 0.009F; });
 	row.frames(200, [](glm::dvec2) { return std::nullopt; });
 	CHECK(row.changes.empty());
-	row.frames(100, [](glm::dvec2 at) { return at.x > 10.0 ? 0.0F : none; });
+	row.frames(100, [](glm::dvec2 at) { return at.x > 10.0 ? 0.0F : no_height; });
 	std::ranges::sort(row.changes);
 	REQUIRE(row.changes.size() == 2);
 	CHECK(row.changes[0] < 10.0);
@@ -157,10 +157,10 @@ TEST_CASE("ground recheck: tiles that will be regenerated are not read until the
 TEST_CASE("ground recheck: heights read for a tile before it was regenerated are ignored") {
 	Row row(1);
 	std::vector<glm::dvec2> positions;
-	row.recheck.next(row.now, 16, positions);
+	row.recheck.next(row.time, 16, positions);
 	REQUIRE(positions.size() == 2);
 	row.show({0, 0, {0, 0}}, 1, 7.0F);
-	row.recheck.answer(row.now, std::vector<std::optional<float>>{3.0F, 3.0F}, tolerance);
+	row.recheck.answer(row.time, std::vector<std::optional<float>>{3.0F, 3.0F}, tolerance);
 	CHECK_FALSE(row.recheck.has_changes());
 	row.frames(100, [](glm::dvec2) { return 7.0F; });
 	CHECK(row.changes.empty());

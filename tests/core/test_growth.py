@@ -26,9 +26,9 @@ def growth() -> Path:
 
 
 def check(program: Path, rounds: int, seed: int, timeout: float):
-    done = run([program, str(rounds), str(seed)], timeout=timeout)
-    assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
-    assert f" {rounds} rounds, 0 failed" in done.stdout
+    result = run([program, str(rounds), str(seed)], timeout=timeout)
+    assert result.returncode == 0, result.stdout[-6000:] + result.stderr[-2000:]
+    assert f" {rounds} rounds, 0 failed" in result.stdout
 
 
 def test_four_times_the_input_takes_at_most_six_times_the_steps(growth):

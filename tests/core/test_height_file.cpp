@@ -44,15 +44,15 @@ void check_read(const Layout &layout) {
 	CHECK(posts.format == std::to_string(layout.bits) + "-bit PNG");
 	CHECK(posts.floats.empty());
 	const unsigned largest = (1u << static_cast<unsigned>(layout.bits)) - 1;
-	std::size_t wrong = 0;
+	std::size_t wrong_count = 0;
 	for (glm::ivec2 pixel{0}; pixel.y < layout.size.y; ++pixel.y) {
 		for (pixel.x = 0; pixel.x < layout.size.x; ++pixel.x) {
 			const std::size_t index = static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(layout.size.x) +
 					static_cast<std::size_t>(pixel.x);
-			wrong += posts.steps[index] == value_at(pixel, 0, layout.bits) * (65535 / largest) ? 0 : 1;
+			wrong_count += posts.steps[index] == value_at(pixel, 0, layout.bits) * (65535 / largest) ? 0 : 1;
 		}
 	}
-	CHECK(wrong == 0);
+	CHECK(wrong_count == 0);
 }
 
 constexpr std::array<std::array<int, 2>, 11> types{
@@ -108,11 +108,11 @@ TEST_CASE("height file: PNG files with too few or too many rows are rejected") {
 	const Stored rows = png::rows_of(layout, [](glm::ivec2, int) { return 1000u; });
 	Posts posts;
 	REQUIRE(read_png(png::file_of(layout, rows), property, posts).ok());
-	Stored few(rows.begin(), rows.end() - 1);
-	CHECK(read_png(png::file_of(layout, few), property, posts).code == ErrorCode::corrupt);
-	Stored many = rows;
-	many.resize(rows.size() + 1000);
-	CHECK(read_png(png::file_of(layout, many), property, posts).code == ErrorCode::corrupt);
+	Stored few_rows(rows.begin(), rows.end() - 1);
+	CHECK(read_png(png::file_of(layout, few_rows), property, posts).code == ErrorCode::corrupt);
+	Stored many_rows = rows;
+	many_rows.resize(rows.size() + 1000);
+	CHECK(read_png(png::file_of(layout, many_rows), property, posts).code == ErrorCode::corrupt);
 	Stored no_filter = rows;
 	no_filter[0] = 9;
 	const Status status = read_png(png::file_of(layout, no_filter), property, posts);

@@ -25,19 +25,19 @@ TEST_CASE("host state: a copy keeps the removals and the placed instances of one
 	CHECK_FALSE(copy.removed(pack({4, {3, 6}})));
 	CHECK(copy.max_scale() >= 2.0);
 	CHECK(copy.max_scale() < 3.0);
-	std::vector<HostInstance> placed;
+	std::vector<HostInstance> placed_hosts;
 	for (int call = 1; call <= 2; ++call) {
-		REQUIRE(copy.add_placed({{0.0, 0.0}, {20.0, 20.0}}, placed).ok());
-		REQUIRE(placed.size() == static_cast<std::size_t>(call));
+		REQUIRE(copy.add_placed({{0.0, 0.0}, {20.0, 20.0}}, placed_hosts).ok());
+		REQUIRE(placed_hosts.size() == static_cast<std::size_t>(call));
 	}
-	CHECK(placed[0].id == id);
-	CHECK(placed[0].mesh == 1);
-	CHECK(placed[0].position == glm::dvec3(10.0, 2.0, 10.0));
-	CHECK(placed[0].basis == glm::dmat3(2.0));
-	REQUIRE(copy.add_placed({{11.0, 0.0}, {20.0, 20.0}}, placed).ok());
-	CHECK(placed.size() == 2);
+	CHECK(placed_hosts[0].id == id);
+	CHECK(placed_hosts[0].mesh == 1);
+	CHECK(placed_hosts[0].position == glm::dvec3(10.0, 2.0, 10.0));
+	CHECK(placed_hosts[0].basis == glm::dmat3(2.0));
+	REQUIRE(copy.add_placed({{11.0, 0.0}, {20.0, 20.0}}, placed_hosts).ok());
+	CHECK(placed_hosts.size() == 2);
 	const HostState none(std::make_shared<const SharedState>(InstanceState().share()), 4);
-	REQUIRE(none.add_placed({{0.0, 0.0}, {20.0, 20.0}}, placed).ok());
-	CHECK(placed.size() == 2);
+	REQUIRE(none.add_placed({{0.0, 0.0}, {20.0, 20.0}}, placed_hosts).ok());
+	CHECK(placed_hosts.size() == 2);
 	CHECK(none.max_scale() == 0.0);
 }

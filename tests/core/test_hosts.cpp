@@ -196,8 +196,8 @@ TEST_CASE("hosts: instances are on the models, apart from each other and without
 	std::size_t tested = 0;
 	for (const auto &[id, host] : hosts) {
 		for (int i = 0; i < 40 && host.mesh == 0; ++i) {
-			const glm::dvec3 way = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
-			const glm::dvec3 position = host.position + 1.2 * glm::length(host.basis[1]) * way;
+			const glm::dvec3 direction = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+			const glm::dvec3 position = host.position + 1.2 * glm::length(host.basis[1]) * direction;
 			if (area.contains({position.x - 0.5, position.z - 0.5}) &&
 					area.contains({position.x + 0.5, position.z + 0.5})) {
 				++tested;
@@ -232,16 +232,16 @@ TEST_CASE("hosts: the scales of models may depend on height, slope, or the dista
 		host.instance_data.scale = {source_of(kind)};
 		const AllPlaced hosts = placed_in(host, ground, wider);
 		const LayerSettings moss = moss_on(host);
-		const AllPlaced whole = placed_in(moss, ground, area);
-		REQUIRE(whole.size() > 1000);
-		for (const auto &[id, each] : whole) {
+		const AllPlaced all_placed = placed_in(moss, ground, area);
+		REQUIRE(all_placed.size() > 1000);
+		for (const auto &[id, each] : all_placed) {
 			CHECK(distance_to(hosts, each.position) < 0.06);
 		}
-		AllPlaced together;
+		AllPlaced joined_parts;
 		for (double z = 0.0; z < 64.0; z += 16.0) {
-			together.merge(placed_in(moss, ground, {{-32.0, z}, {32.0, z + 16.0}}));
+			joined_parts.merge(placed_in(moss, ground, {{-32.0, z}, {32.0, z + 16.0}}));
 		}
-		CHECK(ids_of(together) == ids_of(whole));
+		CHECK(ids_of(joined_parts) == ids_of(all_placed));
 	}
 }
 
@@ -290,21 +290,21 @@ TEST_CASE("hosts: scales wait for a layer that fills gaps, so earlier tiles have
 TEST_CASE("hosts: tiles of any size contain the same instances, bit for bit") {
 	const Heightfield ground = hills();
 	const LayerSettings moss = moss_on(boulders());
-	const AllPlaced whole = placed_in(moss, ground, area);
+	const AllPlaced all_placed = placed_in(moss, ground, area);
 	for (const double size : {16.0, 6.4, 1.0}) {
-		AllPlaced together;
+		AllPlaced joined_parts;
 		const double end = size == 1.0 ? 8.0 : 64.0;
 		for (double z = 0.0; z < end; z += size) {
 			for (double x = -32.0; x < end - 32.0; x += size) {
-				together.merge(placed_in(moss, ground, {{x, z}, {x + size, z + size}}));
+				joined_parts.merge(placed_in(moss, ground, {{x, z}, {x + size, z + size}}));
 			}
 		}
-		const Rect part{area.min, area.min + end};
-		for (const auto &[id, each] : whole) {
-			REQUIRE(together.contains(id) == part.contains({each.position.x, each.position.z}));
-			if (together.contains(id)) {
-				CHECK(together.at(id).basis == each.basis);
-				CHECK(glm::distance(together.at(id).position, each.position) < 1e-5);
+		const Rect slice{area.min, area.min + end};
+		for (const auto &[id, each] : all_placed) {
+			REQUIRE(joined_parts.contains(id) == slice.contains({each.position.x, each.position.z}));
+			if (joined_parts.contains(id)) {
+				CHECK(joined_parts.at(id).basis == each.basis);
+				CHECK(glm::distance(joined_parts.at(id).position, each.position) < 1e-5);
 			}
 		}
 	}
@@ -315,47 +315,47 @@ TEST_CASE("hosts: a removed host takes its instances along, and a restored one b
 	const LayerSettings moss = moss_on(boulders());
 	const AllPlaced hosts = placed_in(boulders(), ground, area);
 	const AllPlaced before = placed_in(moss, ground, area);
-	const auto felled = std::ranges::find_if(hosts, [](const auto &host) {
+	const auto felled_host = std::ranges::find_if(hosts, [](const auto &host) {
 		return glm::distance(glm::dvec2(host.second.position.x, host.second.position.z), area.center()) < 10.0;
 	});
-	REQUIRE(felled != hosts.end());
+	REQUIRE(felled_host != hosts.end());
 	const auto changes = std::make_shared<ListedChanges>();
-	changes->gone.insert(felled->first);
+	changes->gone.insert(felled_host->first);
 	const AllPlaced after = placed_in(with_changes(moss, changes), ground, area);
-	AllPlaced others = placed_in(boulders(), ground, wider);
-	others.erase(felled->first);
-	const double far = reach_of(moss.hosts[0]) + surface_chain_reach * moss.set.radius;
-	std::size_t gone = 0;
+	AllPlaced host_instances = placed_in(boulders(), ground, wider);
+	host_instances.erase(felled_host->first);
+	const double reach_radius = reach_of(moss.hosts[0]) + surface_chain_reach * moss.set.radius;
+	std::size_t removed_count = 0;
 	for (const auto &[id, each] : before) {
-		const glm::dvec3 away = each.position - felled->second.position;
-		gone += after.contains(id) ? 0 : 1;
-		if (glm::length(glm::dvec2(away.x, away.z)) > far) {
+		const glm::dvec3 offset = each.position - felled_host->second.position;
+		removed_count += after.contains(id) ? 0 : 1;
+		if (glm::length(glm::dvec2(offset.x, offset.z)) > reach_radius) {
 			CHECK(after.contains(id));
 		}
 	}
-	CHECK(gone > 50);
+	CHECK(removed_count > 50);
 	for (const auto &[id, each] : after) {
-		CHECK(distance_to(others, each.position) < 0.06);
+		CHECK(distance_to(host_instances, each.position) < 0.06);
 	}
 	CHECK(ids_of(placed_in(with_changes(moss, std::make_shared<ListedChanges>()), ground, area)) == ids_of(before));
 }
 
 TEST_CASE("hosts: an instance that is placed by hand is a host, too, even mirrored or stretched") {
 	const FlatTerrain ground(4.0);
-	LayerSettings none = boulders();
-	none.rules.density = 0.0;
+	LayerSettings no_plants = boulders();
+	no_plants.rules.density = 0.0;
 	const auto changes = std::make_shared<ListedChanges>();
 	changes->placed.push_back({.id = 1, .mesh = 0, .position = {3.0, 20.0, 30.0}, .basis = glm::dmat3(1.5)});
 	changes->placed[0].basis[0].x = -1.5;
 	changes->placed.push_back({.id = 2, .mesh = 0, .position = {-9.0, 20.0, 30.0}, .basis = glm::dmat3(0.0)});
-	const AllPlaced placed = placed_in(moss_on(none, changes), ground, area);
+	const AllPlaced placed = placed_in(moss_on(no_plants, changes), ground, area);
 	CHECK(placed.size() > 200);
 	for (const auto &[id, each] : placed) {
-		const glm::dvec3 away = each.position - changes->placed[0].position;
-		CHECK(std::abs(glm::length(away) - 1.8) < 0.06);
-		CHECK(glm::dot(glm::normalize(away), each.up) > 0.9);
+		const glm::dvec3 offset = each.position - changes->placed[0].position;
+		CHECK(std::abs(glm::length(offset) - 1.8) < 0.06);
+		CHECK(glm::dot(glm::normalize(offset), each.up) > 0.9);
 	}
-	CHECK(placed_in(moss_on(none), ground, area).empty());
+	CHECK(placed_in(moss_on(no_plants), ground, area).empty());
 }
 
 TEST_CASE("hosts: layers on hosts can have rules and neighbors, and can be hosts themselves") {
@@ -387,10 +387,10 @@ TEST_CASE("hosts: layers on hosts can have rules and neighbors, and can be hosts
 			return std::abs(glm::distance(cap.second.position, fly.second.position) - 0.15) < 0.01;
 		}));
 	}
-	LayerSettings apart = moss;
-	apart.set.layer = 9;
-	apart.neighbors = {{.layer = caps, .distance = 0.3, .curve = nullptr}};
-	for (const auto &fly : placed_in(apart, ground, small)) {
+	LayerSettings separate = moss;
+	separate.set.layer = 9;
+	separate.neighbors = {{.layer = caps, .distance = 0.3, .curve = nullptr}};
+	for (const auto &fly : placed_in(separate, ground, small)) {
 		CHECK(std::ranges::none_of(tops,
 				[&fly](const auto &cap) { return glm::distance(cap.second.position, fly.second.position) < 0.2999; }));
 	}
@@ -484,16 +484,16 @@ TEST_CASE("hosts: edits of a host and of its instances reach the layers on it") 
 	};
 	LayerSettings same = moss;
 	CHECK(find(same).empty());
-	EditedArea felled;
-	felled.add({{10.0, 10.0}, {16.0, 16.0}});
+	EditedArea felled_area;
+	felled_area.add({{10.0, 10.0}, {16.0, 16.0}});
 	const auto changes = std::make_shared<ListedChanges>();
-	const EditedArea area_of_felled = find(with_changes(moss, changes), {{boulders().set.layer, felled}});
+	const EditedArea area_of_felled = find(with_changes(moss, changes), {{boulders().set.layer, felled_area}});
 	CHECK_FALSE(area_of_felled.everywhere);
 	const double distance = host_distance(moss, reach_of(moss.hosts[0]));
 	CHECK(area_of_felled.touches({{16.0 + distance - 0.1, 12.0}, {40.0, 13.0}}));
 	CHECK_FALSE(area_of_felled.touches({{16.0 + 2.0 * distance, 12.0}, {40.0, 13.0}}));
 	CHECK(distance < 9.0);
-	CHECK(find(with_changes(moss, changes), {{4, felled}}).empty());
+	CHECK(find(with_changes(moss, changes), {{4, felled_area}}).empty());
 	for (int change = 0; change < 6; ++change) {
 		LayerSettings host = boulders();
 		LayerSettings after = moss;
@@ -570,18 +570,18 @@ TEST_CASE("hosts: placed models are found like the triangles of one mesh") {
 	const PlacedModels placed(parts, no_box);
 	const auto expected = all.surface();
 	REQUIRE(placed.triangle_count() == expected->triangle_count());
-	std::vector<std::uint32_t> found;
-	std::vector<std::uint32_t> known;
+	std::vector<std::uint32_t> actual;
+	std::vector<std::uint32_t> candidates;
 	for (int i = 0; i < 200; ++i) {
 		const glm::dvec3 center = 5000.0 + 9.0 * glm::dvec3(unit(random), unit(random), unit(random));
 		const double half = 2.0 + 2.0 * unit(random);
 		const Box3 box{center - half, center + half};
-		placed.find(box, found);
-		expected->find(box, known);
-		CHECK(std::ranges::is_sorted(found));
-		CHECK(std::ranges::includes(known, found));
-		for (const std::uint32_t index : known) {
-			if (!std::ranges::binary_search(found, index)) {
+		placed.find(box, actual);
+		expected->find(box, candidates);
+		CHECK(std::ranges::is_sorted(actual));
+		CHECK(std::ranges::includes(candidates, actual));
+		for (const std::uint32_t index : candidates) {
+			if (!std::ranges::binary_search(actual, index)) {
 				CHECK_FALSE(enters(expected->triangle(index), box));
 			}
 		}

@@ -55,9 +55,9 @@ double expected_at(glm::dvec2 position, bool repeat) {
 	const int column = static_cast<int>(std::floor(x));
 	const int row = static_cast<int>(std::floor(y));
 	const double right = x - column;
-	const double down = y - row;
-	return ((pixel(column, row) * (1 - right) + pixel(column + 1, row) * right) * (1 - down) +
-				   (pixel(column, row + 1) * (1 - right) + pixel(column + 1, row + 1) * right) * down) /
+	const double y_fraction = y - row;
+	return ((pixel(column, row) * (1 - right) + pixel(column + 1, row) * right) * (1 - y_fraction) +
+				   (pixel(column, row + 1) * (1 - right) + pixel(column + 1, row + 1) * right) * y_fraction) /
 			255.0;
 }
 
@@ -97,7 +97,7 @@ TEST_CASE("image mask: densities are bilinear between pixel centers, and clamped
 TEST_CASE("image mask: positions outside use the edge mode, at all four borders") {
 	struct Case {
 		glm::dvec2 position;
-		bool inside;
+		bool is_inside;
 		int nearest; ///< Pixel value at the nearest position inside the image.
 	};
 	const double tolerance = 1e-9;
@@ -114,8 +114,8 @@ TEST_CASE("image mask: positions outside use the edge mode, at all four borders"
 		const auto at = [&](MaskEdge edge) {
 			return density(mask_of(size, pixels, area, edge), each.position);
 		};
-		CHECK(at(MaskEdge::nothing) == (each.inside ? byte(each.nearest) : 0.0f));
-		CHECK(at(MaskEdge::everything) == (each.inside ? byte(each.nearest) : 1.0f));
+		CHECK(at(MaskEdge::nothing) == (each.is_inside ? byte(each.nearest) : 0.0f));
+		CHECK(at(MaskEdge::everything) == (each.is_inside ? byte(each.nearest) : 1.0f));
 		CHECK(at(MaskEdge::clamp) == byte(each.nearest));
 	}
 }
@@ -140,16 +140,16 @@ TEST_CASE("image mask: a repeated image is periodic, without a seam") {
 
 TEST_CASE("image mask: an image of one pixel has one value") {
 	for (const int value : {0, 77, 255}) {
-		const Pixels one{static_cast<std::uint8_t>(value)};
+		const Pixels single_pixel{static_cast<std::uint8_t>(value)};
 		for (const MaskEdge edge : edges) {
-			const ImageMask mask = mask_of({1, 1}, one, {{-3.0, 5.0}, {-1.0, 9.0}}, edge);
-			for (const glm::dvec2 inside :
+			const ImageMask mask = mask_of({1, 1}, single_pixel, {{-3.0, 5.0}, {-1.0, 9.0}}, edge);
+			for (const glm::dvec2 position :
 					{glm::dvec2(-3.0, 5.0), glm::dvec2(-2.0, 7.0), glm::dvec2(-1.0001, 8.9999)}) {
-				CHECK(density(mask, inside) == byte(value));
+				CHECK(density(mask, position) == byte(value));
 			}
 		}
-		CHECK(density(mask_of({1, 1}, one, area, MaskEdge::clamp), {1e6, 1e6}) == byte(value));
-		CHECK(density(mask_of({1, 1}, one, area, MaskEdge::repeat), {1e6, -1e6}) == byte(value));
+		CHECK(density(mask_of({1, 1}, single_pixel, area, MaskEdge::clamp), {1e6, 1e6}) == byte(value));
+		CHECK(density(mask_of({1, 1}, single_pixel, area, MaskEdge::repeat), {1e6, -1e6}) == byte(value));
 	}
 	const ImageMask row = mask_of({2, 1}, {0, 255}, {{0.0, 0.0}, {2.0, 1.0}}, MaskEdge::clamp);
 	CHECK(density(row, {1.0, 0.9}) == 0.5f);
@@ -164,9 +164,9 @@ TEST_CASE("image mask: positions that are not finite have no density") {
 			CHECK(density(mask, {bad, 0.0}) == 0.0f);
 			CHECK(density(mask, {0.0, bad}) == 0.0f);
 		}
-		for (const double far : {1e300, -1e300}) {
-			CHECK(density(mask, {far, far}) >= 0.0f);
-			CHECK(density(mask, {far, far}) <= 1.0f);
+		for (const double coordinate : {1e300, -1e300}) {
+			CHECK(density(mask, {coordinate, coordinate}) >= 0.0f);
+			CHECK(density(mask, {coordinate, coordinate}) <= 1.0f);
 		}
 	}
 	// The image is so small that a position divided by its size overflows.
@@ -228,11 +228,11 @@ TEST_CASE("image mask: errors name the invalid property and leave the mask uncha
 
 TEST_CASE("image mask: masks differ by size, pixels, area and edge") {
 	const ImageMask mask = mask_of(size, pixels, area, MaskEdge::clamp);
-	Pixels others = pixels;
-	others.front() ^= 1;
+	Pixels other_pixels = pixels;
+	other_pixels.front() ^= 1;
 	CHECK(mask == mask_of(size, pixels, area, MaskEdge::clamp));
 	CHECK_FALSE(mask == mask_of({3, 5}, pixels, area, MaskEdge::clamp));
-	CHECK_FALSE(mask == mask_of(size, others, area, MaskEdge::clamp));
+	CHECK_FALSE(mask == mask_of(size, other_pixels, area, MaskEdge::clamp));
 	CHECK_FALSE(mask == mask_of(size, pixels, {area.min, {17.0, 4.0}}, MaskEdge::clamp));
 	CHECK_FALSE(mask == mask_of(size, pixels, {{-24.0, -9.0}, area.max}, MaskEdge::clamp));
 	CHECK_FALSE(mask == mask_of(size, pixels, area, MaskEdge::repeat));

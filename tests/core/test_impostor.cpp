@@ -79,15 +79,15 @@ TEST_CASE("impostor: a known triangle, seen from its front and not from behind")
 
 TEST_CASE("impostor: a surface is drawn from both sides, or only from the back") {
 	const std::vector<glm::vec3> corners{{-1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
-	const Impostor both = baked({triangles(corners, red, CulledSide::none)}, three);
-	CHECK(coverage(both, from_front) == coverage(both, from_behind));
-	CHECK(coverage(both, from_front) > 0.24);
+	const Impostor two_sided = baked({triangles(corners, red, CulledSide::none)}, three);
+	CHECK(coverage(two_sided, from_front) == coverage(two_sided, from_behind));
+	CHECK(coverage(two_sided, from_front) > 0.24);
 	// From behind, left and right are swapped, and the normal faces the viewer.
-	CHECK(pixel_of(both, both.albedo, from_behind, {43, 28})[3] == 255);
-	CHECK(pixel_of(both, both.normal, from_behind, {43, 28}) == std::array{128, 128, 0, 128});
-	const Impostor back = baked({triangles(corners, red, CulledSide::front)}, three);
-	CHECK(coverage(back, from_front) == 0.0);
-	CHECK(coverage(back, from_behind) > 0.24);
+	CHECK(pixel_of(two_sided, two_sided.albedo, from_behind, {43, 28})[3] == 255);
+	CHECK(pixel_of(two_sided, two_sided.normal, from_behind, {43, 28}) == std::array{128, 128, 0, 128});
+	const Impostor back_side = baked({triangles(corners, red, CulledSide::front)}, three);
+	CHECK(coverage(back_side, from_front) == 0.0);
+	CHECK(coverage(back_side, from_behind) > 0.24);
 }
 
 TEST_CASE("impostor: each face of a cube has the right normal, depth and coverage") {
@@ -96,27 +96,27 @@ TEST_CASE("impostor: each face of a cube has the right normal, depth and coverag
 		return static_cast<int>((value * 0.5 + 0.5) * 255.0 + 0.5);
 	};
 	CHECK(impostor.radius == doctest::Approx(std::sqrt(3.0)));
-	const int near = byte(1.0 / std::sqrt(3.0));
-	CHECK(pixel_of(impostor, impostor.normal, from_front, {32, 32}) == std::array{128, 128, 255, near});
-	CHECK(pixel_of(impostor, impostor.normal, from_behind, {32, 32}) == std::array{128, 128, 0, near});
-	CHECK(pixel_of(impostor, impostor.normal, from_right, {32, 32}) == std::array{255, 128, 128, near});
-	CHECK(pixel_of(impostor, impostor.normal, from_above, {32, 32}) == std::array{128, 255, 128, near});
+	const int near_depth = byte(1.0 / std::sqrt(3.0));
+	CHECK(pixel_of(impostor, impostor.normal, from_front, {32, 32}) == std::array{128, 128, 255, near_depth});
+	CHECK(pixel_of(impostor, impostor.normal, from_behind, {32, 32}) == std::array{128, 128, 0, near_depth});
+	CHECK(pixel_of(impostor, impostor.normal, from_right, {32, 32}) == std::array{255, 128, 128, near_depth});
+	CHECK(pixel_of(impostor, impostor.normal, from_above, {32, 32}) == std::array{128, 255, 128, near_depth});
 	for (const glm::ivec2 frame : {from_front, from_behind, from_right, from_above}) {
 		CHECK(coverage(impostor, frame) == doctest::Approx(4.0 / 12.0).epsilon(0.005));
 	}
 	// The corner frame (2, 2) of the octahedral map is the view from below.
-	CHECK(pixel_of(impostor, impostor.normal, {2, 2}, {32, 32}) == std::array{128, 0, 128, near});
+	CHECK(pixel_of(impostor, impostor.normal, {2, 2}, {32, 32}) == std::array{128, 0, 128, near_depth});
 }
 
 TEST_CASE("impostor: nearer surfaces hide farther ones, in any drawing order") {
-	const ImpostorSurface near = square(1.0F, 0.5F, red);
-	const ImpostorSurface far = square(1.0F, -0.5F, green);
-	const Impostor one = baked({near, far}, three);
-	const Impostor other = baked({far, near}, three);
-	CHECK(one.albedo == other.albedo);
-	CHECK(one.normal == other.normal);
-	CHECK(pixel_of(one, one.albedo, from_front, {32, 32}) == std::array{255, 0, 0, 255});
-	CHECK(pixel_of(one, one.normal, from_front, {32, 32})[3] == 170); // A depth of 0.5 m, with a radius of 1.5 m.
+	const ImpostorSurface front_square = square(1.0F, 0.5F, red);
+	const ImpostorSurface back_square = square(1.0F, -0.5F, green);
+	const Impostor single = baked({front_square, back_square}, three);
+	const Impostor other = baked({back_square, front_square}, three);
+	CHECK(single.albedo == other.albedo);
+	CHECK(single.normal == other.normal);
+	CHECK(pixel_of(single, single.albedo, from_front, {32, 32}) == std::array{255, 0, 0, 255});
+	CHECK(pixel_of(single, single.normal, from_front, {32, 32})[3] == 170); // A depth of 0.5 m, with a radius of 1.5 m.
 }
 
 TEST_CASE("impostor: pixels with alpha below the threshold are discarded, and coverage is reduced accordingly") {
@@ -129,13 +129,13 @@ TEST_CASE("impostor: pixels with alpha below the threshold are discarded, and co
 	const Impostor opaque = baked({surface}, three);
 	CHECK(coverage(opaque, from_front) == doctest::Approx(0.5).epsilon(0.01));
 	surface.material.alpha_threshold = 0.5F;
-	const Impostor cut = baked({surface}, three);
+	const Impostor clipped = baked({surface}, three);
 	// The texture repeats, so alpha reaches a half at a quarter of the width and again at the right edge.
-	CHECK(coverage(cut, from_front) == doctest::Approx(0.25).epsilon(0.05));
-	CHECK(pixel_of(cut, cut.albedo, from_front, {20, 32})[3] == 0);
-	CHECK(pixel_of(cut, cut.albedo, from_front, {44, 32}) == std::array{0, 0, 255, 255});
+	CHECK(coverage(clipped, from_front) == doctest::Approx(0.25).epsilon(0.05));
+	CHECK(pixel_of(clipped, clipped.albedo, from_front, {20, 32})[3] == 0);
+	CHECK(pixel_of(clipped, clipped.albedo, from_front, {44, 32}) == std::array{0, 0, 255, 255});
 	// Empty pixels take the color of their neighbors, even in empty frames.
-	CHECK(pixel_of(cut, cut.albedo, from_front, {20, 32})[2] == 255);
+	CHECK(pixel_of(clipped, clipped.albedo, from_front, {20, 32})[2] == 255);
 	surface.material.albedo.a = 0.4F;
 	CHECK(coverage(baked({surface}, three), from_front) == 0.0);
 }
@@ -168,17 +168,17 @@ TEST_CASE("impostor: mipmaps keep the covered fraction, and frames do not bleed"
 	std::size_t first = 0;
 	double finest = 0.0;
 	for (int side = 192; side >= 12; side /= 2) {
-		std::size_t covered = 0;
+		std::size_t covered_count = 0;
 		const auto count = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
 		for (std::size_t pixel = 0; pixel < count; ++pixel) {
-			covered += impostor.albedo[first + 4 * pixel + 3] >= 128 ? 1 : 0;
+			covered_count += impostor.albedo[first + 4 * pixel + 3] >= 128 ? 1 : 0;
 			// The only color is red, so filters must not produce any green.
 			CHECK(impostor.albedo[first + 4 * pixel + 1] == 0);
 		}
-		const double share = static_cast<double>(covered) / static_cast<double>(count);
-		finest = side == 192 ? share : finest;
+		const double fraction = static_cast<double>(covered_count) / static_cast<double>(count);
+		finest = side == 192 ? fraction : finest;
 		CHECK(finest > 0.02);
-		CHECK(share == doctest::Approx(finest).epsilon(0.35));
+		CHECK(fraction == doctest::Approx(finest).epsilon(0.35));
 		first += 4 * count;
 	}
 	CHECK(impostor.albedo.size() == impostor.normal.size());
@@ -204,33 +204,33 @@ TEST_CASE("impostor: rejected input leaves the impostor unchanged") {
 	Impostor impostor = baked({cube(1.0F)}, three);
 	const std::vector<std::uint8_t> before = impostor.albedo;
 	const std::vector<ImpostorSurface> good{cube(1.0F)};
-	const auto refused = [&](const std::vector<ImpostorSurface> &surfaces, const ImpostorSettings &settings,
-								 ErrorCode code, const char *property, double value) {
+	const auto check_rejected = [&](const std::vector<ImpostorSurface> &surfaces, const ImpostorSettings &settings,
+										ErrorCode code, const char *property, double value) {
 		check_refused(bake_impostor(surfaces, settings, {}, impostor), code, property, value);
 		CHECK(impostor.albedo == before);
 	};
-	refused(good, {.frames = 1}, ErrorCode::out_of_range, "frames", 1);
-	refused(good, {.frames = 33}, ErrorCode::out_of_range, "frames", 33);
-	refused(good, {.frames = 32, .frame_size = 512}, ErrorCode::out_of_range, "frames", 32);
-	refused(good, {.frame_size = 100}, ErrorCode::out_of_range, "frame_size", 100);
-	refused(good, {.frame_size = 1024}, ErrorCode::out_of_range, "frame_size", 1024);
-	refused(good, {.samples = 0}, ErrorCode::out_of_range, "samples", 0);
-	refused({}, three, ErrorCode::missing, "surfaces", 0);
-	refused({triangles({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, red)}, three, ErrorCode::not_positive, "radius", 0);
+	check_rejected(good, {.frames = 1}, ErrorCode::out_of_range, "frames", 1);
+	check_rejected(good, {.frames = 33}, ErrorCode::out_of_range, "frames", 33);
+	check_rejected(good, {.frames = 32, .frame_size = 512}, ErrorCode::out_of_range, "frames", 32);
+	check_rejected(good, {.frame_size = 100}, ErrorCode::out_of_range, "frame_size", 100);
+	check_rejected(good, {.frame_size = 1024}, ErrorCode::out_of_range, "frame_size", 1024);
+	check_rejected(good, {.samples = 0}, ErrorCode::out_of_range, "samples", 0);
+	check_rejected({}, three, ErrorCode::missing, "surfaces", 0);
+	check_rejected({triangles({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, red)}, three, ErrorCode::not_positive, "radius", 0);
 	std::vector<ImpostorSurface> bad = good;
 	bad[0].positions[3].y = static_cast<float>(infinite_value);
-	refused(bad, three, ErrorCode::not_finite, "vertices", infinite_value);
+	check_rejected(bad, three, ErrorCode::not_finite, "vertices", infinite_value);
 	bad = good;
 	bad[0].normals.pop_back();
-	refused(bad, three, ErrorCode::wrong_size, "normals", 23);
+	check_rejected(bad, three, ErrorCode::wrong_size, "normals", 23);
 	bad = good;
 	bad[0].indices[5] = 24;
-	refused(bad, three, ErrorCode::out_of_range, "indices", 24);
+	check_rejected(bad, three, ErrorCode::out_of_range, "indices", 24);
 	bad[0].indices.pop_back();
-	refused(bad, three, ErrorCode::wrong_size, "indices", 35);
+	check_rejected(bad, three, ErrorCode::wrong_size, "indices", 35);
 	bad = good;
 	bad[0].material.alpha_threshold = 1.5F;
-	refused(bad, three, ErrorCode::out_of_range, "alpha_threshold", 1.5);
+	check_rejected(bad, three, ErrorCode::out_of_range, "alpha_threshold", 1.5);
 }
 
 TEST_CASE("impostor: progress is reported after each frame, and the cancel flag ends the call") {
@@ -292,10 +292,10 @@ TEST_CASE("impostor: running out of memory leaves the impostor unchanged") {
 	surfaces[0].colors.assign(surfaces[0].positions.size(), red);
 	surfaces[0].material.vertex_colors = VertexColors::linear;
 	const ImpostorSettings tiny{.frames = 2, .frame_size = 16, .samples = 1};
-	const Impostor whole = baked(surfaces, tiny);
+	const Impostor full = baked(surfaces, tiny);
 	fail_every_request(
 			"impostor", [] { return Impostor(); },
 			[&](Impostor &r_impostor) { return bake_impostor(surfaces, tiny, {}, r_impostor); },
 			[](const Impostor &impostor) { CHECK(impostor.albedo.empty()); },
-			[&](const Impostor &impostor) { CHECK(impostor.albedo == whole.albedo); });
+			[&](const Impostor &impostor) { CHECK(impostor.albedo == full.albedo); });
 }

@@ -20,13 +20,14 @@ namespace {
 constexpr int side = 40;
 
 /// Returns the height and normal of a single patch, computed as in Heightfield.
-std::array<float, 4> single_patch(const std::uint16_t *first, glm::dvec2 part, const InnerPatches::Heights &of) {
-	const SmoothPatch patch = smooth_patch<false>(
-			inner_line, inner_line, part, [first](int i, int j) { return static_cast<double>(first[j * side + i]); });
-	const double gradient_x = patch.gradient.x * of.scale * of.posts_per_meter.x;
-	const double gradient_y = patch.gradient.y * of.scale * of.posts_per_meter.y;
+std::array<float, 4> single_patch(
+		const std::uint16_t *first, glm::dvec2 fraction, const InnerPatches::Heights &heights) {
+	const SmoothPatch patch = smooth_patch<false>(inner_line, inner_line, fraction,
+			[first](int i, int j) { return static_cast<double>(first[j * side + i]); });
+	const double gradient_x = patch.gradient.x * heights.scale * heights.posts_per_meter.x;
+	const double gradient_y = patch.gradient.y * heights.scale * heights.posts_per_meter.y;
 	const double to_unit = 1.0 / std::sqrt(gradient_x * gradient_x + gradient_y * gradient_y + 1.0);
-	return {static_cast<float>(of.base + patch.height * of.scale), static_cast<float>(-gradient_x * to_unit),
+	return {static_cast<float>(heights.base + patch.height * heights.scale), static_cast<float>(-gradient_x * to_unit),
 			static_cast<float>(to_unit), static_cast<float>(-gradient_y * to_unit)};
 }
 
@@ -50,7 +51,7 @@ TEST_CASE("inner patches: batches are bit-identical to single patches, on every 
 		std::uniform_real_distribution<double> fraction(0.0, 1.0);
 		for (int round = 0; round < 60; ++round) {
 			const std::vector<std::uint16_t> posts = posts_of(random);
-			const InnerPatches::Heights of{fraction(random) * 1e3 - 500.0, fraction(random) * 0.1,
+			const InnerPatches::Heights heights{fraction(random) * 1e3 - 500.0, fraction(random) * 0.1,
 					{0.01 + fraction(random), 0.01 + 10.0 * fraction(random)}};
 			InnerPatches patches;
 			const std::size_t count = 1 + random() % InnerPatches::capacity;
@@ -60,16 +61,16 @@ TEST_CASE("inner patches: batches are bit-identical to single patches, on every 
 				const auto row = static_cast<int>(1 + random() % (side - 3));
 				REQUIRE(is_inner_patch({side, side}, {column, row}));
 				const std::uint16_t *first = posts.data() + row * side + column;
-				const glm::dvec2 part =
+				const glm::dvec2 patch_fraction =
 						random() % 8 == 0 ? glm::dvec2(0.0) : glm::dvec2(fraction(random), fraction(random));
-				expected.push_back(single_patch(first, part, of));
-				patches.add(first, side, part, expected.size());
+				expected.push_back(single_patch(first, patch_fraction, heights));
+				patches.add(first, side, patch_fraction, expected.size());
 			}
-			patches.compute(of);
+			patches.compute(heights);
 			for (std::size_t i = 0; i < count; ++i) {
-				const std::array<float, 4> got{
+				const std::array<float, 4> actual{
 						patches.height[i], patches.normal_x[i], patches.normal_y[i], patches.normal_z[i]};
-				REQUIRE(std::memcmp(expected[i].data(), got.data(), sizeof got) == 0);
+				REQUIRE(std::memcmp(expected[i].data(), actual.data(), sizeof actual) == 0);
 				REQUIRE(patches.numbers[i] == i + 1);
 			}
 		}

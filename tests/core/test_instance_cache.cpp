@@ -45,16 +45,16 @@ Layers forest(const std::function<void(LayerSettings &)> &edit = {}) {
 	for (const Species &species : {Species{6.0, 0.7, 0.0}, Species{4.0, 0.6, 4.0}, Species{3.0, 0.8, 2.0},
 				 Species{1.5, 1.0, 1.5}, Species{0.8, 1.0, 0.5}}) {
 		auto layer = std::make_shared<LayerSettings>();
-		const auto number = static_cast<std::uint16_t>(layers.size());
-		layer->set = {.seed = 7, .radius = species.radius, .levels = number % 2 + 1u, .layer = number};
+		const auto layer_index = static_cast<std::uint16_t>(layers.size());
+		layer->set = {.seed = 7, .radius = species.radius, .levels = layer_index % 2 + 1u, .layer = layer_index};
 		layer->rules.density = species.density;
 		layer->rules.max_slope_degrees = 50.0;
 		layer->rules.slope_falloff_degrees = 10.0;
 		layer->placement.align_to_normal = 0.5;
-		for (const std::shared_ptr<LayerSettings> &earlier : layers) {
-			fill_around(*layer, earlier, species.distance);
+		for (const std::shared_ptr<LayerSettings> &existing : layers) {
+			fill_around(*layer, existing, species.distance);
 		}
-		layer->spacing_fills = number > 0 && number < 4;
+		layer->spacing_fills = layer_index > 0 && layer_index < 4;
 		if (edit) {
 			edit(*layer);
 		}
@@ -96,7 +96,7 @@ public:
 		return status;
 	}
 
-	void rise(float by) { rise_ += by; }
+	void rise(float height) { rise_ += height; }
 
 private:
 	Heightfield hills_ = hills();
@@ -119,17 +119,17 @@ TEST_CASE("instance cache: tiles have the same bits with and without a cache, in
 		CHECK((cache->bytes() > 0) == (bytes > 0));
 	}
 	const auto cache = std::make_shared<InstanceCache>();
-	std::array<std::vector<std::uint64_t>, 4> found;
+	std::array<std::vector<std::uint64_t>, 4> digests_of_thread;
 	std::vector<std::jthread> threads;
-	for (std::vector<std::uint64_t> &mine : found) {
+	for (std::vector<std::uint64_t> &own_digests : digests_of_thread) {
 		threads.emplace_back([&] {
 			TileBuilder builder({}, blocks, cache);
-			mine = digests(builder, layers, terrain);
+			own_digests = digests(builder, layers, terrain);
 		});
 	}
 	threads.clear();
-	for (const std::vector<std::uint64_t> &mine : found) {
-		CHECK(mine == expected);
+	for (const std::vector<std::uint64_t> &own_digests : digests_of_thread) {
+		CHECK(own_digests == expected);
 	}
 }
 
@@ -176,15 +176,15 @@ TEST_CASE("instance cache: no edit of a rule, link, shape, seed or mesh of any l
 			},
 	};
 	for (const Edit &edit : edits) {
-		for (const std::uint16_t number : {std::uint16_t{0}, std::uint16_t{3}}) {
+		for (const std::uint16_t layer_index : {std::uint16_t{0}, std::uint16_t{3}}) {
 			const Layers layers = forest([&](LayerSettings &layer) {
-				if (layer.set.layer == number) {
+				if (layer.set.layer == layer_index) {
 					edit(layer);
 				}
 			});
-			const std::vector<std::uint64_t> found = digests(builder, layers, terrain);
-			CHECK(found == fresh_digests(layers, terrain));
-			CHECK((number == 0 || found != before));
+			const std::vector<std::uint64_t> rebuilt_digests = digests(builder, layers, terrain);
+			CHECK(rebuilt_digests == fresh_digests(layers, terrain));
+			CHECK((layer_index == 0 || rebuilt_digests != before));
 		}
 	}
 	CHECK(digests(builder, forest(), terrain) == before);
@@ -210,8 +210,9 @@ TEST_CASE("instance cache: edited ground, copied ground and ground that changes 
 		changing.rise(60.0f);
 	}
 	CombinedTerrain combined;
-	const auto part = std::make_shared<ChangingHills>();
-	REQUIRE(combined.set(std::array<CombinedTerrain::Part, 2>{part, std::make_shared<FlatTerrain>(-20.0f)}).ok());
+	const auto terrain_part = std::make_shared<ChangingHills>();
+	REQUIRE(combined.set(std::array<CombinedTerrain::Part, 2>{terrain_part, std::make_shared<FlatTerrain>(-20.0f)})
+					.ok());
 	CHECK(combined.version() == 0);
 	REQUIRE(combined.set(std::array<CombinedTerrain::Part, 1>{std::make_shared<FlatTerrain>(3.0f)}).ok());
 	CHECK(combined.version() != 0);
@@ -232,10 +233,10 @@ TEST_CASE(
 		"instance cache: layers beside fields, surfaces and color sources take what the cache lacks from the points") {
 	const Heightfield terrain = hills();
 	Layers layers = forest();
-	const auto near = std::make_shared<CurveTable>();
+	const auto near_curve = std::make_shared<CurveTable>();
 	auto mushrooms = std::make_shared<LayerSettings>(*layers[4]);
 	mushrooms->set.layer = 9;
-	mushrooms->neighbors = {{layers[2], 6.0, near}};
+	mushrooms->neighbors = {{layers[2], 6.0, near_curve}};
 	mushrooms->instance_data.use_colors = true;
 	mushrooms->instance_data.colors = std::make_shared<const ColorTable>(256, glm::vec4(0.5f));
 	mushrooms->instance_data.color.kind = SourceKind::distance;
@@ -261,10 +262,10 @@ TEST_CASE("instance cache: errors and cancellation are those of a tile without a
 	for (const Rect &rect : {Rect{{0.0, 0.0}, {1e9, 1.0}}, Rect{{0.0, 0.0}, {0.0, NAN}},
 				 Rect{{limit - 20.0, 0.0}, {limit + 1e4, 9.0}}}) {
 		const Status expected = TileBuilder().build(*layers[2], terrain, rect, tile);
-		const Status found = builder.build(*layers[2], terrain, rect, tile);
+		const Status status = builder.build(*layers[2], terrain, rect, tile);
 		CHECK_FALSE(expected.ok());
-		CHECK(found.code == expected.code);
-		CHECK(found.property == expected.property);
+		CHECK(status.code == expected.code);
+		CHECK(status.property == expected.property);
 	}
 	CHECK(digests(builder, layers, terrain) == fresh_digests(layers, terrain));
 

@@ -70,8 +70,8 @@ TEST_CASE("placement: the tilt leans away from the instance's up axis, uniformly
 			lowest = std::min(lowest, angle);
 			highest = std::max(highest, angle);
 			sum += angle;
-			const glm::dvec3 away = basis[1] - own_up * glm::dot(basis[1], own_up);
-			lean += glm::normalize(away);
+			const glm::dvec3 tangential = basis[1] - own_up * glm::dot(basis[1], own_up);
+			lean += glm::normalize(tangential);
 			CHECK(glm::determinant(basis) == doctest::Approx(1.0).epsilon(1e-5));
 			CHECK(std::abs(glm::dot(basis[0], basis[1])) < 1e-6);
 			CHECK(std::abs(glm::dot(basis[1], basis[2])) < 1e-6);
@@ -111,10 +111,10 @@ TEST_CASE("placement: a tiny tilt equals no tilt") {
 	tiny.max_tilt_degrees = 1e-300; // Selects the code path with a tilt.
 	for (std::uint64_t id = 0; id < 1000; ++id) {
 		const glm::vec3 normal = random_normal(random);
-		const Transform without = transform_of(placement, id, normal);
-		const Transform with = transform_of(tiny, id, normal);
+		const Transform without_normal = transform_of(placement, id, normal);
+		const Transform with_normal = transform_of(tiny, id, normal);
 		for (int column = 0; column < 3; ++column) {
-			CHECK(glm::distance(without.basis[column], with.basis[column]) < 1e-6);
+			CHECK(glm::distance(without_normal.basis[column], with_normal.basis[column]) < 1e-6);
 		}
 	}
 }

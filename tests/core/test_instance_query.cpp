@@ -24,9 +24,9 @@ struct Worlds {
 	InstanceState state;
 
 	Worlds(glm::dvec2 position, std::mt19937 &random) {
-		const Rect around{position - 220.0, position + 220.0};
-		state = changed_state(everything_in(warm, around), position, random);
-		all = everything_in(warm, around, &state);
+		const Rect area{position - 220.0, position + 220.0};
+		state = changed_state(everything_in(warm, area), position, random);
+		all = everything_in(warm, area, &state);
 		REQUIRE(all.size() > 5000);
 	}
 
@@ -95,23 +95,23 @@ TEST_CASE("queries: a sphere returns the same as a scan, in three dimensions") {
 			const double radius = repeat == 0 ? 0.0 : between(random, 0.1, 45.0);
 			const QueryFilter filter = random_filter(random);
 			const auto expected = matching(worlds.all, [&](const PlacedInstance &each) {
-				const glm::dvec3 off = each.position - center;
-				return has_layer(filter, each.layer) && glm::dot(off, off) <= radius * radius;
+				const glm::dvec3 offset = each.position - center;
+				return has_layer(filter, each.layer) && glm::dot(offset, offset) <= radius * radius;
 			});
 			total += expected.size();
 			worlds.each([&](const InstanceQuery &query) {
-				std::vector<PlacedInstance> found;
-				REQUIRE(query.in_sphere(center, radius, filter, found).ok());
-				CHECK(same(found, expected));
+				std::vector<PlacedInstance> results;
+				REQUIRE(query.in_sphere(center, radius, filter, results).ok());
+				CHECK(same(results, expected));
 			});
 		}
 		CHECK(total > 5000);
 		// A sphere of radius 0 at the exact position of an instance.
 		worlds.each([&](const InstanceQuery &query) {
-			std::vector<PlacedInstance> found;
-			REQUIRE(query.in_sphere(worlds.all[2000].position, 0.0, {}, found).ok());
-			REQUIRE(found.size() == 1);
-			CHECK(same(found[0], worlds.all[2000]));
+			std::vector<PlacedInstance> results;
+			REQUIRE(query.in_sphere(worlds.all[2000].position, 0.0, {}, results).ok());
+			REQUIRE(results.size() == 1);
+			CHECK(same(results[0], worlds.all[2000]));
 		});
 	}
 }
@@ -120,7 +120,7 @@ TEST_CASE("queries: the nearest instance is the one that a scan of all instances
 	std::mt19937 random(3);
 	for (const glm::dvec2 position : world_centers) {
 		Worlds worlds(position, random);
-		int none = 0;
+		int empty_count = 0;
 		for (int repeat = 0; repeat < 60; ++repeat) {
 			const glm::dvec3 from(position.x + between(random, -60.0, 60.0), between(random, -20.0, 30.0),
 					position.y + between(random, -60.0, 60.0));
@@ -135,14 +135,14 @@ TEST_CASE("queries: the nearest instance is the one that a scan of all instances
 			const PlacedInstance *nearest = nullptr;
 			double distance = max_distance;
 			for (const PlacedInstance &each : worlds.all) {
-				const double to = glm::length(each.position - from);
+				const double end_distance = glm::length(each.position - from);
 				if (has_layer(filter, each.layer) && (!picky || each.id % 7 == 3) &&
-						(nearest == nullptr ? to <= distance : to < distance)) {
+						(nearest == nullptr ? end_distance <= distance : end_distance < distance)) {
 					nearest = &each;
-					distance = to;
+					distance = end_distance;
 				}
 			}
-			none += nearest == nullptr;
+			empty_count += nearest == nullptr;
 			worlds.each([&](const InstanceQuery &query) {
 				std::vector<NearestInstance> found(2);
 				REQUIRE(query.nearest(from, max_distance, filter, found).ok());
@@ -153,8 +153,8 @@ TEST_CASE("queries: the nearest instance is the one that a scan of all instances
 				}
 			});
 		}
-		CHECK(none > 2);
-		CHECK(none < 40);
+		CHECK(empty_count > 2);
+		CHECK(empty_count < 40);
 	}
 }
 
@@ -164,40 +164,40 @@ TEST_CASE("queries: an ID finds its instance, or nothing if there is none") {
 		Worlds worlds(position, random);
 		for (std::size_t i = 0; i < worlds.all.size(); i += worlds.all.size() / 60) {
 			worlds.each([&](const InstanceQuery &query) {
-				std::vector<PlacedInstance> found(2);
-				REQUIRE(query.by_id(worlds.all[i].id, found).ok());
-				REQUIRE(found.size() == 1);
-				CHECK(same(found[0], worlds.all[i]));
+				std::vector<PlacedInstance> results(2);
+				REQUIRE(query.by_id(worlds.all[i].id, results).ok());
+				REQUIRE(results.size() == 1);
+				CHECK(same(results[0], worlds.all[i]));
 			});
 			CHECK(worlds.cold.requests.size() <= 4);
 			worlds.cold.requests.clear();
 		}
 		for (const std::uint64_t id : worlds.state.added_ids()) {
 			worlds.each([&](const InstanceQuery &query) {
-				std::vector<PlacedInstance> found;
-				REQUIRE(query.by_id(id, found).ok());
-				REQUIRE(found.size() == 1);
-				CHECK(found[0].position == worlds.state.added(id)->position);
+				std::vector<PlacedInstance> results;
+				REQUIRE(query.by_id(id, results).ok());
+				REQUIRE(results.size() == 1);
+				CHECK(results[0].position == worlds.state.added(id)->position);
 			});
 		}
-		std::set<std::uint64_t> standing;
+		std::set<std::uint64_t> standing_ids;
 		for (const PlacedInstance &each : worlds.all) {
-			standing.insert(each.id);
+			standing_ids.insert(each.id);
 		}
 		// The IDs of adjacent cells, many of which have no instance.
 		int empty = 0;
 		for (std::size_t i = 0; i < worlds.all.size(); i += worlds.all.size() / 80) {
-			const glm::dvec2 off = glm::dvec2(worlds.all[i].position.x, worlds.all[i].position.z) - position;
-			if (glm::length(off) > 150.0) {
+			const glm::dvec2 offset = glm::dvec2(worlds.all[i].position.x, worlds.all[i].position.z) - position;
+			if (glm::length(offset) > 150.0) {
 				continue; // The adjacent cell may be outside the scanned area.
 			}
 			const std::uint64_t id = worlds.all[i].id + 1;
-			std::vector<PlacedInstance> found;
+			std::vector<PlacedInstance> results;
 			worlds.each([&](const InstanceQuery &query) {
-				REQUIRE(query.by_id(id, found).ok());
-				CHECK(found.size() == standing.count(id));
+				REQUIRE(query.by_id(id, results).ok());
+				CHECK(results.size() == standing_ids.count(id));
 			});
-			empty += found.empty();
+			empty += results.empty();
 		}
 		CHECK(empty > 5);
 	}
@@ -210,24 +210,24 @@ TEST_CASE("queries: a removed instance still has a position according to its lay
 	InstanceState state;
 	const InstanceQuery query{layers, world, &state};
 	for (std::size_t i = 0; i < all.size(); i += 37) {
-		std::vector<PlacedInstance> found;
+		std::vector<PlacedInstance> results;
 		const std::uint64_t id = all[i].id;
 		CHECK(state.remove(id));
-		REQUIRE(query.by_id(id, found).ok());
-		CHECK(found.empty());
-		REQUIRE(query.by_id_even_removed(id, found).ok());
-		REQUIRE(found.size() == 1);
-		CHECK(same(found[0], all[i]));
+		REQUIRE(query.by_id(id, results).ok());
+		CHECK(results.empty());
+		REQUIRE(query.by_id_even_removed(id, results).ok());
+		REQUIRE(results.size() == 1);
+		CHECK(same(results[0], all[i]));
 		CHECK(state.restore(id));
-		REQUIRE(query.by_id(id, found).ok());
-		CHECK(found.size() == 1);
+		REQUIRE(query.by_id(id, results).ok());
+		CHECK(results.size() == 1);
 	}
 	std::uint64_t id = 0;
 	REQUIRE(state.add({.layer = 7, .position = {1.0, 2.0, 3.0}}, id).ok());
 	CHECK(state.remove(id));
-	std::vector<PlacedInstance> found(1);
-	REQUIRE(query.by_id_even_removed(id, found).ok());
-	CHECK(found.empty());
+	std::vector<PlacedInstance> results(1);
+	REQUIRE(query.by_id_even_removed(id, results).ok());
+	CHECK(results.empty());
 }
 
 TEST_CASE("queries: IDs of other layers, of missing layers and of empty layers find nothing") {
@@ -236,16 +236,16 @@ TEST_CASE("queries: IDs of other layers, of missing layers and of empty layers f
 	const InstanceQuery query{layers, world, nullptr};
 	for (const std::uint64_t id : {std::uint64_t{0}, std::uint64_t{1} << 48, ~std::uint64_t{0}, std::uint64_t{1} << 63,
 				 std::uint64_t{7} << 48, (std::uint64_t{8} << 48) - 1}) {
-		std::vector<PlacedInstance> found(1);
-		REQUIRE(query.by_id(id, found).ok());
-		CHECK(found.empty());
+		std::vector<PlacedInstance> results(1);
+		REQUIRE(query.by_id(id, results).ok());
+		CHECK(results.empty());
 	}
 	world.layers[0].query_layer.wanted = false;
 	const std::vector<QueryLayer> unwanted = world.query_layers();
 	const auto tree = everything_in(world, {{0.0, 0.0}, {9.0, 9.0}});
-	std::vector<PlacedInstance> found;
-	REQUIRE(InstanceQuery{unwanted, world, nullptr}.in_rect({{0.0, 0.0}, {9.0, 9.0}}, {{0, 3}, {}}, found).ok());
-	CHECK(found.empty());
+	std::vector<PlacedInstance> results;
+	REQUIRE(InstanceQuery{unwanted, world, nullptr}.in_rect({{0.0, 0.0}, {9.0, 9.0}}, {{0, 3}, {}}, results).ok());
+	CHECK(results.empty());
 }
 
 TEST_CASE("queries: a search by ID ends at the instance, and never starts for a removed one") {
@@ -258,17 +258,17 @@ TEST_CASE("queries: a search by ID ends at the instance, and never starts for a 
 		if (tree.layer != 0) {
 			continue;
 		}
-		std::vector<PlacedInstance> found;
+		std::vector<PlacedInstance> results;
 		world.requests.clear();
-		REQUIRE(query.by_id(tree.id, found).ok());
-		REQUIRE(found.size() == 1);
+		REQUIRE(query.by_id(tree.id, results).ok());
+		REQUIRE(results.size() == 1);
 		const auto [layer, x, y] = world.requests.back();
 		CHECK(tile_rect(layers[0].tile_size, {x, y}).contains({tree.position.x, tree.position.z}));
 		passed_over += world.requests.size() - 1;
 		state.remove(tree.id);
 		world.requests.clear();
-		REQUIRE(query.by_id(tree.id, found).ok());
-		CHECK(found.empty());
+		REQUIRE(query.by_id(tree.id, results).ok());
+		CHECK(results.empty());
 		CHECK(world.requests.empty());
 	}
 	CHECK(passed_over > 0);

@@ -43,39 +43,39 @@ TEST_CASE("queries: the error for invalid input names the argument, and the resu
 	std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
 	const std::vector<PlacedInstance> old(3);
-	const auto refused = [&](const std::function<Status(std::vector<PlacedInstance> &)> &answer, ErrorCode code,
-								 const std::string &property, double value) {
-		std::vector<PlacedInstance> found = old;
-		check_refused(answer(found), code, property, value);
-		CHECK(found.empty());
+	const auto check_rejected = [&](const std::function<Status(std::vector<PlacedInstance> &)> &answer, ErrorCode code,
+										const std::string &property, double value) {
+		std::vector<PlacedInstance> results = old;
+		check_refused(answer(results), code, property, value);
+		CHECK(results.empty());
 	};
 	const auto rect = [&](double a, double b, double c, double d) {
-		return [&query, a, b, c, d](std::vector<PlacedInstance> &found) {
-			return query.in_rect({{a, b}, {c, d}}, {}, found);
+		return [&query, a, b, c, d](std::vector<PlacedInstance> &results) {
+			return query.in_rect({{a, b}, {c, d}}, {}, results);
 		};
 	};
-	refused(rect(nan_value, 0.0, 1.0, 1.0), ErrorCode::not_finite, "rect", nan_value);
-	refused(rect(0.0, 0.0, 1.0, infinite_value), ErrorCode::not_finite, "rect", infinite_value);
-	refused(rect(0.0, 0.0, -1.0, 1.0), ErrorCode::inverted, "rect", -1.0);
-	refused(rect(0.0, 5.0, 1.0, 3.0), ErrorCode::inverted, "rect", -2.0);
-	refused(rect(0.0, 0.0, 1.0, 1e300), ErrorCode::out_of_range, "rect", 1e300);
+	check_rejected(rect(nan_value, 0.0, 1.0, 1.0), ErrorCode::not_finite, "rect", nan_value);
+	check_rejected(rect(0.0, 0.0, 1.0, infinite_value), ErrorCode::not_finite, "rect", infinite_value);
+	check_rejected(rect(0.0, 0.0, -1.0, 1.0), ErrorCode::inverted, "rect", -1.0);
+	check_rejected(rect(0.0, 5.0, 1.0, 3.0), ErrorCode::inverted, "rect", -2.0);
+	check_rejected(rect(0.0, 0.0, 1.0, 1e300), ErrorCode::out_of_range, "rect", 1e300);
 	const auto sphere = [&](double y, double radius) {
-		return [&query, y, radius](std::vector<PlacedInstance> &found) {
-			return query.in_sphere({0.0, y, 0.0}, radius, {}, found);
+		return [&query, y, radius](std::vector<PlacedInstance> &results) {
+			return query.in_sphere({0.0, y, 0.0}, radius, {}, results);
 		};
 	};
-	refused(sphere(nan_value, 1.0), ErrorCode::not_finite, "center", nan_value);
-	refused(sphere(-infinite_value, 1.0), ErrorCode::not_finite, "center", -infinite_value);
-	refused(sphere(0.0, nan_value), ErrorCode::not_finite, "radius", nan_value);
-	refused(sphere(0.0, -1e-9), ErrorCode::out_of_range, "radius", -1e-9);
-	refused(sphere(2e15, 1.0), ErrorCode::out_of_range, "center", 2e15);
+	check_rejected(sphere(nan_value, 1.0), ErrorCode::not_finite, "center", nan_value);
+	check_rejected(sphere(-infinite_value, 1.0), ErrorCode::not_finite, "center", -infinite_value);
+	check_rejected(sphere(0.0, nan_value), ErrorCode::not_finite, "radius", nan_value);
+	check_rejected(sphere(0.0, -1e-9), ErrorCode::out_of_range, "radius", -1e-9);
+	check_rejected(sphere(2e15, 1.0), ErrorCode::out_of_range, "center", 2e15);
 	const auto layer = [&](std::uint32_t second) {
-		return [&query, second](std::vector<PlacedInstance> &found) {
-			return query.in_rect(glade, {{0, second}, {}}, found);
+		return [&query, second](std::vector<PlacedInstance> &results) {
+			return query.in_rect(glade, {{0, second}, {}}, results);
 		};
 	};
-	refused(layer(4), ErrorCode::out_of_range, "layer", 4.0);
-	refused(layer(0xffffffff), ErrorCode::out_of_range, "layer", 4294967295.0);
+	check_rejected(layer(4), ErrorCode::out_of_range, "layer", 4.0);
+	check_rejected(layer(0xffffffff), ErrorCode::out_of_range, "layer", 4294967295.0);
 
 	std::vector<RayHit> hit(1);
 	check_refused(query.on_ray({0.0, 0.0, nan_value}, {}, {}, hit), ErrorCode::not_finite, "from", nan_value);
@@ -97,26 +97,28 @@ TEST_CASE("queries: the error for invalid input names the argument, and the resu
 
 TEST_CASE("queries: the error for an invalid layer names the property, unless the filter skips the layer") {
 	World world;
-	const auto refused = [&](const std::function<void(QueryLayer &)> &damage, ErrorCode code,
-								 const std::string &property, double value) {
+	const auto check_rejected = [&](const std::function<void(QueryLayer &)> &damage, ErrorCode code,
+										const std::string &property, double value) {
 		std::vector<QueryLayer> layers = world.query_layers();
 		damage(layers[1]);
 		const InstanceQuery query{layers, world, nullptr};
-		std::vector<PlacedInstance> found;
-		check_refused(query.in_rect(glade, {}, found), code, property, value);
-		CHECK(query.in_rect(glade, {{0, 2}, {}}, found).ok());
+		std::vector<PlacedInstance> results;
+		check_refused(query.in_rect(glade, {}, results), code, property, value);
+		CHECK(query.in_rect(glade, {{0, 2}, {}}, results).ok());
 		layers[1].wanted = false;
-		CHECK(query.in_rect(glade, {}, found).ok());
+		CHECK(query.in_rect(glade, {}, results).ok());
 	};
-	refused([](QueryLayer &layer) { layer.set.radius = 0.0; }, ErrorCode::not_positive, "radius", 0.0);
-	refused([](QueryLayer &layer) { layer.set.layer = 0x8000; }, ErrorCode::out_of_range, "layer_id", 32768.0);
-	refused([](QueryLayer &layer) { layer.tile_size = nan_value; }, ErrorCode::not_finite, "tile_size", nan_value);
-	refused([](QueryLayer &layer) { layer.tile_size = 0.0; }, ErrorCode::not_positive, "tile_size", 0.0);
-	refused([](QueryLayer &layer) { layer.shape.radius = -1.0; }, ErrorCode::out_of_range, "instance_radius", -1.0);
-	refused([](QueryLayer &layer) { layer.shape.height = infinite_value; }, ErrorCode::not_finite, "instance_height",
-			infinite_value);
-	refused([](QueryLayer &layer) { layer.max_scale = 1e5; }, ErrorCode::out_of_range, "max_scale", 1e5);
-	refused([](QueryLayer &layer) { layer.max_offset = -0.5; }, ErrorCode::out_of_range, "max_offset", -0.5);
+	check_rejected([](QueryLayer &layer) { layer.set.radius = 0.0; }, ErrorCode::not_positive, "radius", 0.0);
+	check_rejected([](QueryLayer &layer) { layer.set.layer = 0x8000; }, ErrorCode::out_of_range, "layer_id", 32768.0);
+	check_rejected(
+			[](QueryLayer &layer) { layer.tile_size = nan_value; }, ErrorCode::not_finite, "tile_size", nan_value);
+	check_rejected([](QueryLayer &layer) { layer.tile_size = 0.0; }, ErrorCode::not_positive, "tile_size", 0.0);
+	check_rejected(
+			[](QueryLayer &layer) { layer.shape.radius = -1.0; }, ErrorCode::out_of_range, "instance_radius", -1.0);
+	check_rejected([](QueryLayer &layer) { layer.shape.height = infinite_value; }, ErrorCode::not_finite,
+			"instance_height", infinite_value);
+	check_rejected([](QueryLayer &layer) { layer.max_scale = 1e5; }, ErrorCode::out_of_range, "max_scale", 1e5);
+	check_rejected([](QueryLayer &layer) { layer.max_offset = -0.5; }, ErrorCode::out_of_range, "max_offset", -0.5);
 }
 
 TEST_CASE("queries: a query for too many points is rejected before any tile is generated") {
@@ -126,7 +128,7 @@ TEST_CASE("queries: a query for too many points is rejected before any tile is g
 	const double tile_points = point_density(dense.layers[0].set) * 2500.0;
 	const double side = std::floor(std::sqrt(limit / tile_points)) * 50.0;
 	std::vector<InstanceQuery::Tile> tiles;
-	std::vector<PlacedInstance> found;
+	std::vector<PlacedInstance> results;
 	const auto code_of = [](const Status &status, const char *property) {
 		CHECK((status.ok() || std::string(status.property) == property));
 		return status.code;
@@ -140,7 +142,7 @@ TEST_CASE("queries: a query for too many points is rejected before any tile is g
 	CHECK(code_in_square(1e15) == ErrorCode::too_many_points);
 	CHECK(code_of(query.tiles_in_sphere({}, 0.54 * side, {}, tiles), "radius") == ErrorCode::none);
 	CHECK(code_of(query.tiles_in_sphere({}, 0.59 * side, {}, tiles), "radius") == ErrorCode::too_many_points);
-	CHECK(code_of(query.in_sphere({}, 1e15, {}, found), "radius") == ErrorCode::too_many_points);
+	CHECK(code_of(query.in_sphere({}, 1e15, {}, results), "radius") == ErrorCode::too_many_points);
 	std::vector<NearestInstance> nearest;
 	CHECK(code_of(query.nearest({}, 1e9, {}, nearest), "max_distance") == ErrorCode::too_many_points);
 	std::vector<RayHit> hit;
@@ -158,26 +160,27 @@ TEST_CASE("queries: nothing overflows at the last cells and far beyond them") {
 	OneLayer layer(1.0, 64.0);
 	const InstanceQuery query = layer.query();
 	const double edge = 8388608.0 / std::sqrt(2.0);
-	std::vector<PlacedInstance> found;
+	std::vector<PlacedInstance> results;
 	// The rectangle covers the last whole tile, the partial one after it, and positions beyond all
 	// cells.
 	const double last = std::floor(edge / 64.0) * 64.0;
-	REQUIRE(query.in_rect({{last - 30.0, -edge - 99.0}, {edge + 99.0, -last + 30.0}}, {}, found).ok());
-	CHECK(found.size() > 400);
-	for (const PlacedInstance &each : found) {
+	REQUIRE(query.in_rect({{last - 30.0, -edge - 99.0}, {edge + 99.0, -last + 30.0}}, {}, results).ok());
+	CHECK(results.size() > 400);
+	for (const PlacedInstance &each : results) {
 		CHECK(each.position.x < last + 1e-5);
-		std::vector<PlacedInstance> again;
-		REQUIRE(query.by_id(each.id, again).ok());
-		REQUIRE(again.size() == 1);
-		CHECK(same(again[0], each));
+		std::vector<PlacedInstance> repeated;
+		REQUIRE(query.by_id(each.id, repeated).ok());
+		REQUIRE(repeated.size() == 1);
+		CHECK(same(repeated[0], each));
 	}
-	for (const double far : {edge + 64.0, 1e9, 1e12, 9e14}) {
+	for (const double coordinate : {edge + 64.0, 1e9, 1e12, 9e14}) {
 		for (const double sign : {-1.0, 1.0}) {
-			const glm::dvec3 position(sign * far, 0.0, far);
-			REQUIRE(query.in_sphere(position, 60.0, {}, found).ok());
-			CHECK(found.empty());
-			REQUIRE(query.in_rect({{position.x, position.z}, {position.x + 99.0, position.z + 99.0}}, {}, found).ok());
-			CHECK(found.empty());
+			const glm::dvec3 position(sign * coordinate, 0.0, coordinate);
+			REQUIRE(query.in_sphere(position, 60.0, {}, results).ok());
+			CHECK(results.empty());
+			REQUIRE(query.in_rect({{position.x, position.z}, {position.x + 99.0, position.z + 99.0}}, {}, results)
+							.ok());
+			CHECK(results.empty());
 			std::vector<NearestInstance> nearest;
 			REQUIRE(query.nearest(position, 60.0, {}, nearest).ok());
 			CHECK(nearest.empty());
@@ -188,15 +191,15 @@ TEST_CASE("queries: nothing overflows at the last cells and far beyond them") {
 	}
 	for (const glm::ivec2 cell :
 			{glm::ivec2(-cell_limit), glm::ivec2(cell_limit - 1), glm::ivec2(-cell_limit, cell_limit - 1)}) {
-		REQUIRE(query.by_id(pack({0, cell}), found).ok());
-		CHECK(found.empty());
+		REQUIRE(query.by_id(pack({0, cell}), results).ok());
+		CHECK(results.empty());
 	}
 	// A set whose cells extend beyond the largest tile coordinates of this tile size.
 	OneLayer wide(1e6, 0.1);
-	REQUIRE(wide.query().in_rect({{1e9, 1e9}, {1e9 + 5.0, 1e9 + 5.0}}, {}, found).ok());
-	CHECK(found.empty());
-	REQUIRE(wide.query().by_id(pack({0, {77, -7000000}}), found).ok());
-	CHECK(found.empty());
+	REQUIRE(wide.query().in_rect({{1e9, 1e9}, {1e9 + 5.0, 1e9 + 5.0}}, {}, results).ok());
+	CHECK(results.empty());
+	REQUIRE(wide.query().by_id(pack({0, {77, -7000000}}), results).ok());
+	CHECK(results.empty());
 }
 
 TEST_CASE("queries: an error of the source is returned, and an unavailable tile is empty") {
@@ -231,33 +234,33 @@ TEST_CASE("queries: an error of the source is returned, and an unavailable tile 
 TEST_CASE("queries: the number of allocations does not depend on the number of instances") {
 	OneLayer layer(0.5, 40.0);
 	const InstanceQuery query = layer.query();
-	std::vector<PlacedInstance> found;
+	std::vector<PlacedInstance> results;
 	std::vector<NearestInstance> nearest;
 	std::vector<RayHit> hit;
-	REQUIRE(query.in_rect(glade, {}, found).ok());
-	REQUIRE(found.size() > 10000);
+	REQUIRE(query.in_rect(glade, {}, results).ok());
+	REQUIRE(results.size() > 10000);
 	const auto allocated_by = [](const auto &answer) {
 		const std::size_t before = allocation_count();
 		REQUIRE(answer().ok());
 		return allocation_count() - before;
 	};
-	CHECK(allocated_by([&] { return query.in_rect(glade, {}, found); }) < 80);
+	CHECK(allocated_by([&] { return query.in_rect(glade, {}, results); }) < 80);
 	CHECK(allocated_by([&] { return query.nearest({33.0, 5.0, 33.0}, 30.0, {}, nearest); }) < 80);
 	CHECK(allocated_by([&] { return query.on_ray({1.0, 1.0, 1.0}, {60.0, 0.5, 50.0}, {}, hit); }) < 80);
 }
 
 TEST_CASE("queries: only large results are sorted by cells, which allocates memory") {
 	const auto sorting_allocates = [](int side, int spacing) {
-		FoundInstances found;
+		FoundInstances results;
 		for (int i = 0; i < side * side; ++i) {
 			const glm::ivec2 cell = spacing * glm::ivec2(side - 1 - i % side, i / side);
-			found.add(FoundInstances::Ref{pack({3, cell}), 0, static_cast<std::uint32_t>(i)});
+			results.add(FoundInstances::Ref{pack({3, cell}), 0, static_cast<std::uint32_t>(i)});
 		}
 		const std::size_t before = allocation_count();
-		found.sort_from(0);
+		results.sort_from(0);
 		const std::size_t after = allocation_count();
-		for (std::size_t i = 1; i < found.size(); ++i) {
-			REQUIRE(found.id(i - 1) < found.id(i));
+		for (std::size_t i = 1; i < results.size(); ++i) {
+			REQUIRE(results.id(i - 1) < results.id(i));
 		}
 		return after - before;
 	};
@@ -267,10 +270,10 @@ TEST_CASE("queries: only large results are sorted by cells, which allocates memo
 
 TEST_CASE("queries: a position is returned without computing the whole instance") {
 	OneLayer layer(0.5, 40.0);
-	FoundInstances found;
-	REQUIRE(layer.query().in_rect({{0.0, 0.0}, {5.0, 5.0}}, {}, found).ok());
-	REQUIRE(found.size() > 10);
+	FoundInstances results;
+	REQUIRE(layer.query().in_rect({{0.0, 0.0}, {5.0, 5.0}}, {}, results).ok());
+	REQUIRE(results.size() > 10);
 	// Computing the basis rounds, so this detects whether it is computed.
-	CHECK_FALSE(rounds([&] { CHECK(found.position(7).x >= 0.0); }));
-	CHECK(rounds([&] { CHECK(found[7].position == found.position(7)); }));
+	CHECK_FALSE(rounds([&] { CHECK(results.position(7).x >= 0.0); }));
+	CHECK(rounds([&] { CHECK(results[7].position == results.position(7)); }));
 }

@@ -22,25 +22,25 @@ TEST_CASE("queries: rectangles are half-open, so adjacent pieces return each ins
 	World world;
 	const std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
-	const auto whole = found_in(query, glade);
-	REQUIRE(whole.size() > 500);
-	for (std::size_t i = 0; i < whole.size(); i += 41) {
+	const auto whole_glade = found_in(query, glade);
+	REQUIRE(whole_glade.size() > 500);
+	for (std::size_t i = 0; i < whole_glade.size(); i += 41) {
 		// Divide the rectangle at the position of an instance.
-		const glm::dvec2 cut(whole[i].position.x, whole[i].position.z);
-		std::vector<PlacedInstance> pieces;
-		for (const Rect &piece :
+		const glm::dvec2 cut(whole_glade[i].position.x, whole_glade[i].position.z);
+		std::vector<PlacedInstance> pieced;
+		for (const Rect &rect :
 				{Rect{glade.min, cut}, Rect{cut, glade.max}, Rect{{cut.x, glade.min.y}, {glade.max.x, cut.y}},
 						Rect{{glade.min.x, cut.y}, {cut.x, glade.max.y}}}) {
-			const auto part = found_in(query, piece);
-			pieces.insert(pieces.end(), part.begin(), part.end());
+			const auto results = found_in(query, rect);
+			pieced.insert(pieced.end(), results.begin(), results.end());
 		}
-		std::sort(pieces.begin(), pieces.end(), [](const PlacedInstance &a, const PlacedInstance &b) {
+		std::sort(pieced.begin(), pieced.end(), [](const PlacedInstance &a, const PlacedInstance &b) {
 			return std::tie(a.layer, a.id) < std::tie(b.layer, b.id);
 		});
-		CHECK(same(pieces, whole));
+		CHECK(same(pieced, whole_glade));
 		const auto alone = found_in(query, {cut, {std::nextafter(cut.x, 1e9), std::nextafter(cut.y, 1e9)}});
 		REQUIRE(alone.size() == 1);
-		CHECK(same(alone[0], whole[i]));
+		CHECK(same(alone[0], whole_glade[i]));
 	}
 	CHECK(found_in(query, {{5.0, 5.0}, {5.0, 60.0}}).empty());
 }
@@ -52,16 +52,16 @@ TEST_CASE("queries: a sphere is closed, and so is the distance to the nearest") 
 	std::uint64_t id = 0;
 	REQUIRE(state.add({.layer = 3, .position = {1000.0, 500.0, -2000.0}}, id).ok());
 	const InstanceQuery query{layers, world, &state};
-	for (const glm::dvec3 off : {glm::dvec3(8.0, 0.0, 0.0), glm::dvec3(0.0, 0.0, -8.0), glm::dvec3(0.0, 8.0, 0.0)}) {
-		std::vector<PlacedInstance> found;
+	for (const glm::dvec3 offset : {glm::dvec3(8.0, 0.0, 0.0), glm::dvec3(0.0, 0.0, -8.0), glm::dvec3(0.0, 8.0, 0.0)}) {
+		std::vector<PlacedInstance> results;
 		std::vector<NearestInstance> nearest;
-		const glm::dvec3 center = glm::dvec3(1000.0, 500.0, -2000.0) + off;
-		REQUIRE(query.in_sphere(center, 8.0, {}, found).ok());
-		CHECK(found.size() == 1);
+		const glm::dvec3 center = glm::dvec3(1000.0, 500.0, -2000.0) + offset;
+		REQUIRE(query.in_sphere(center, 8.0, {}, results).ok());
+		CHECK(results.size() == 1);
 		REQUIRE(query.nearest(center, 8.0, {}, nearest).ok());
 		CHECK(nearest.size() == 1);
-		REQUIRE(query.in_sphere(center, 7.999999, {}, found).ok());
-		CHECK(found.empty());
+		REQUIRE(query.in_sphere(center, 7.999999, {}, results).ok());
+		CHECK(results.empty());
 		REQUIRE(query.nearest(center, 7.999999, {}, nearest).ok());
 		CHECK(nearest.empty());
 	}
@@ -84,11 +84,11 @@ TEST_CASE("queries: the filter is called last, in order, and no more often than 
 		tested.push_back(each);
 		return tested.size() % 2 == 0;
 	};
-	const auto standing = found_in(query, glade);
-	std::vector<PlacedInstance> found;
-	REQUIRE(query.in_rect(glade, filter, found).ok());
-	CHECK(same(tested, standing));
-	CHECK(found.size() == standing.size() / 2);
+	const auto expected = found_in(query, glade);
+	std::vector<PlacedInstance> results;
+	REQUIRE(query.in_rect(glade, filter, results).ok());
+	CHECK(same(tested, expected));
+	CHECK(results.size() == expected.size() / 2);
 
 	tested.clear();
 	const glm::dvec3 position(31.0, 3.0, 33.0);
@@ -98,7 +98,7 @@ TEST_CASE("queries: the filter is called last, in order, and no more often than 
 	};
 	std::vector<NearestInstance> nearest;
 	REQUIRE(query.nearest(position, 60.0, filter, nearest).ok());
-	auto by_distance = standing;
+	auto by_distance = expected;
 	const auto distance = [position](const PlacedInstance &each) {
 		return glm::length(each.position - position);
 	};
@@ -114,8 +114,8 @@ TEST_CASE("queries: the filter is called last, in order, and no more often than 
 	filter.accepts = [&](const PlacedInstance &each) {
 		return state.remove(each.id);
 	};
-	REQUIRE(query.in_rect(glade, filter, found).ok());
-	CHECK(same(found, standing));
+	REQUIRE(query.in_rect(glade, filter, results).ok());
+	CHECK(same(results, expected));
 	CHECK(found_in(query, glade).empty());
 }
 
@@ -152,22 +152,22 @@ TEST_CASE("queries: the tiles that a query lists are those that it reads, the ne
 	for (const bool is_sphere : {false, true}) {
 		const glm::dvec3 center(glade.center().x, 0.0, glade.center().y);
 		std::vector<InstanceQuery::Tile> tiles;
-		std::vector<PlacedInstance> found;
+		std::vector<PlacedInstance> results;
 		world.requests.clear();
 		REQUIRE((is_sphere ? query.tiles_in_sphere(center, 35.0, {}, tiles) : query.tiles_in_rect(glade, {}, tiles))
 						.ok());
 		CHECK(world.requests.empty());
-		REQUIRE((is_sphere ? query.in_sphere(center, 35.0, {}, found) : query.in_rect(glade, {}, found)).ok());
+		REQUIRE((is_sphere ? query.in_sphere(center, 35.0, {}, results) : query.in_rect(glade, {}, results)).ok());
 		REQUIRE(tiles.size() == world.requests.size());
 		for (std::size_t i = 0; i < tiles.size(); ++i) {
 			CHECK(std::tuple(tiles[i].layer, tiles[i].tile.x, tiles[i].tile.y) == world.requests[i]);
-			const auto far = [&](const InstanceQuery::Tile &tile) {
+			const auto is_far = [&](const InstanceQuery::Tile &tile) {
 				return distance_squared(tile_rect(layers[tile.layer].tile_size, tile.tile), glade.center());
 			};
 			if (i > 0 && tiles[i - 1].layer == tiles[i].layer) {
 				// The query sorts tiles by their enlarged rectangles, so the order may differ by up
 				// to 4 m.
-				CHECK(std::sqrt(far(tiles[i - 1])) <= std::sqrt(far(tiles[i])) + 4.0);
+				CHECK(std::sqrt(is_far(tiles[i - 1])) <= std::sqrt(is_far(tiles[i])) + 4.0);
 			}
 		}
 		CHECK(std::set(world.requests.begin(), world.requests.end()).size() == tiles.size());

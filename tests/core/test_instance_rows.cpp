@@ -63,25 +63,25 @@ glm::quat random_rotation(std::mt19937 &random) {
 
 template <class Number>
 Number number_at(const std::vector<std::uint8_t> &bytes, std::size_t &r_at) {
-	Number number{};
-	REQUIRE(r_at + sizeof number <= bytes.size());
-	std::memcpy(&number, bytes.data() + r_at, sizeof number);
-	r_at += sizeof number;
-	return number;
+	Number value{};
+	REQUIRE(r_at + sizeof value <= bytes.size());
+	std::memcpy(&value, bytes.data() + r_at, sizeof value);
+	r_at += sizeof value;
+	return value;
 }
 
 /// Compares a column with the expected values of the instances of all meshes.
 template <class Number, class Expected>
 void check_column(const std::vector<std::uint8_t> &bytes, std::size_t &r_at, const TileInstances &tile,
 		const Expected &expected) {
-	std::size_t wrong = 0;
+	std::size_t wrong_count = 0;
 	for (std::size_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
 		for (std::size_t i = 0; i < tile.meshes[mesh].size(); ++i) {
-			wrong +=
+			wrong_count +=
 					number_at<Number>(bytes, r_at) == static_cast<Number>(expected(tile.meshes[mesh], i, mesh)) ? 0 : 1;
 		}
 	}
-	CHECK(wrong == 0);
+	CHECK(wrong_count == 0);
 }
 
 } // namespace
@@ -174,9 +174,9 @@ TEST_CASE("rows contain every number of a tile, column by column") {
 	const auto parts_of = [](const MeshInstances &mesh, std::size_t i) {
 		return rotation_and_scale(std::span(mesh.buffer).subspan(i * mesh.stride).first<transform_floats>());
 	};
-	for (const auto part : {&glm::quat::x, &glm::quat::y, &glm::quat::z, &glm::quat::w}) {
+	for (const auto component : {&glm::quat::x, &glm::quat::y, &glm::quat::z, &glm::quat::w}) {
 		check_column<float>(bytes, at, tile,
-				[&](const auto &mesh, std::size_t i, std::size_t) { return parts_of(mesh, i).rotation.*part; });
+				[&](const auto &mesh, std::size_t i, std::size_t) { return parts_of(mesh, i).rotation.*component; });
 	}
 	for (int axis = 0; axis < 3; ++axis) {
 		check_column<float>(bytes, at, tile,
@@ -184,9 +184,9 @@ TEST_CASE("rows contain every number of a tile, column by column") {
 	}
 	check_column<std::uint32_t>(
 			bytes, at, tile, [](const auto &mesh, std::size_t i, std::size_t) { return mesh.ranks[i]; });
-	for (std::size_t more = 0; more < 4; ++more) {
+	for (std::size_t padding = 0; padding < 4; ++padding) {
 		check_column<float>(bytes, at, tile,
-				[&](const auto &mesh, std::size_t i, std::size_t) { return mesh.buffer[i * 16 + 12 + more]; });
+				[&](const auto &mesh, std::size_t i, std::size_t) { return mesh.buffer[i * 16 + 12 + padding]; });
 	}
 	check_column<std::uint16_t>(bytes, at, tile, [](const auto &, std::size_t, std::size_t mesh) { return mesh; });
 	CHECK(at == bytes.size());

@@ -80,9 +80,9 @@ TEST_CASE("sources: rules and sources that use the same neighbor sample it once,
 	CHECK(graph.nodes()[0].margin == 20.0);
 	CHECK(graph.nodes()[0].max_dependent_distance == 20.0);
 	CHECK(reach(layer) == 20.0);
-	const double own = point_density(layer.set) * 64.0 * 64.0;
-	const double others = point_density(oaks()->set) * 104.0 * 104.0;
-	CHECK(points_to_sample(layer, 64.0) == doctest::Approx(own + others));
+	const double own_count = point_density(layer.set) * 64.0 * 64.0;
+	const double oak_count = point_density(oaks()->set) * 104.0 * 104.0;
+	CHECK(points_to_sample(layer, 64.0) == doctest::Approx(own_count + oak_count));
 }
 
 TEST_CASE("sources: unused sources and the sources of a neighbor cost nothing") {
@@ -185,9 +185,9 @@ TEST_CASE("sources: an edit of the layer on which a color depends reaches as far
 	// A layer that only keeps a distance from this one is not affected.
 	LayerSettings shrubs = rich_layer();
 	shrubs.neighbors = {{std::make_shared<const LayerSettings>(before), 2.0, nullptr}};
-	LayerSettings later = shrubs;
-	later.neighbors[0].layer = std::make_shared<const LayerSettings>(after);
-	CHECK(EditSearch().find(shrubs, later).empty());
+	LayerSettings later_shrubs = shrubs;
+	later_shrubs.neighbors[0].layer = std::make_shared<const LayerSettings>(after);
+	CHECK(EditSearch().find(shrubs, later_shrubs).empty());
 	after.instance_data.color.max = 8.0;
 	CHECK(EditSearch().find(before, after).everywhere);
 	after = before;

@@ -74,27 +74,27 @@ TEST_CASE("state: the set of removed IDs equals a plain set") {
 TEST_CASE("state: removed generated instances keep their data, and removing a hand-placed one deletes its data") {
 	InstanceState state;
 	const std::uint64_t point = point_id(1, 5, 5);
-	const std::uint64_t placed = added_to(state, instance_at(1.0, 1.0));
+	const std::uint64_t added_id = added_to(state, instance_at(1.0, 1.0));
 	const StateBytes apples{3, 1, 4};
 	REQUIRE(state.set_data(point, apples).ok());
-	REQUIRE(state.set_data(placed, apples).ok());
+	REQUIRE(state.set_data(added_id, apples).ok());
 	CHECK(data_of(state, point) == apples);
-	CHECK(state.data_ids() == std::vector<std::uint64_t>{point, placed});
+	CHECK(state.data_ids() == std::vector<std::uint64_t>{point, added_id});
 	Changes changes;
 	REQUIRE(InstanceState().load(bytes_of(state), changes).ok());
 	REQUIRE(changes.size() == 3);
 	for (const InstanceChange &change : changes) { // Only the change of a hand-placed instance contains the instance.
-		CHECK(change.added == (change.id == placed ? *state.added(placed) : AddedInstance()));
+		CHECK(change.added == (change.id == added_id ? *state.added(added_id) : AddedInstance()));
 	}
 	const std::uint64_t revision = state.revision();
 	REQUIRE(state.set_data(point, apples).ok());
 	CHECK(state.revision() == revision);
 	state.remove(point);
-	state.remove(placed);
+	state.remove(added_id);
 	CHECK(data_of(state, point) == apples);
-	CHECK(state.data(placed).empty());
+	CHECK(state.data(added_id).empty());
 	CHECK(state.data_count() == 1);
-	CHECK(state.set_data(placed, apples).code == ErrorCode::missing);
+	CHECK(state.set_data(added_id, apples).code == ErrorCode::missing);
 	CHECK(state.set_data(point, StateBytes(max_instance_data + 1)).code == ErrorCode::wrong_size);
 	CHECK(data_of(state, point) == apples);
 	REQUIRE(state.set_data(point, StateBytes(max_instance_data)).ok());
@@ -128,44 +128,44 @@ TEST_CASE("state: an instance that is removed for a limited time is restored whe
 	CHECK(state.removed(oak));
 	InstanceState loaded = copy_of(state);
 	CHECK(loaded.time() == 15.0);
-	for (InstanceState *one : {&state, &loaded}) {
-		CHECK(advanced(*one, 5.0).size() == 1);
-		CHECK_FALSE(one->removed(oak));
-		CHECK(one->removed(rock));
-		CHECK(advanced(*one, infinite).empty());
-		CHECK(one->time() == max_state_time);
+	for (InstanceState *each_state : {&state, &loaded}) {
+		CHECK(advanced(*each_state, 5.0).size() == 1);
+		CHECK_FALSE(each_state->removed(oak));
+		CHECK(each_state->removed(rock));
+		CHECK(advanced(*each_state, infinite).empty());
+		CHECK(each_state->time() == max_state_time);
 	}
 }
 
 TEST_CASE("state: a forest that is cut repeatedly regrows in the order of its regrowth times") {
 	StateRandom random(4);
 	InstanceState state;
-	std::map<std::uint64_t, double> until;
+	std::map<std::uint64_t, double> end_times;
 	for (int round = 0; round < 400; ++round) {
 		for (int i = 0; i < 50; ++i) {
 			const std::uint64_t id = point_id(1, static_cast<int>(random() % 40), 0);
 			const double time = random() % 5 == 0 ? 0.0 : state.time() + 1.0 + static_cast<double>(random() % 30);
 			if (random() % 4 == 0) {
 				state.restore(id);
-				until.erase(id);
+				end_times.erase(id);
 			} else {
 				state.remove(id, time);
-				until[id] = time;
+				end_times[id] = time;
 			}
 		}
-		std::set<std::uint64_t> due;
-		for (const auto &[id, time] : until) {
+		std::set<std::uint64_t> expired;
+		for (const auto &[id, time] : end_times) {
 			if (time > 0.0 && time <= state.time() + 1.0) {
-				due.insert(id);
+				expired.insert(id);
 			}
 		}
 		const Changes changes = advanced(state, 1.0);
-		REQUIRE(changes.size() == due.size());
+		REQUIRE(changes.size() == expired.size());
 		for (const InstanceChange &change : changes) {
-			REQUIRE(due.contains(change.id));
-			until.erase(change.id);
+			REQUIRE(expired.contains(change.id));
+			end_times.erase(change.id);
 		}
-		REQUIRE(state.removed_count() == until.size());
+		REQUIRE(state.removed_count() == end_times.size());
 	}
 }
 
@@ -173,9 +173,9 @@ TEST_CASE("state: clearing reports every change and forgets the previous content
 	InstanceState state;
 	REQUIRE(state.claim(1, 77).ok());
 	state.remove(point_id(1, 2, 3));
-	const std::uint64_t placed = added_to(state, instance_at(1.0, 2.0));
+	const std::uint64_t added_id = added_to(state, instance_at(1.0, 2.0));
 	REQUIRE(state.set_data(point_id(2, 0, 0), StateBytes{1}).ok());
-	REQUIRE(state.set_data(placed, StateBytes{2}).ok());
+	REQUIRE(state.set_data(added_id, StateBytes{2}).ok());
 	const std::uint64_t revision = state.revision();
 	Changes changes = advanced(state, 3.0);
 	REQUIRE(state.clear(changes).ok());
@@ -250,12 +250,12 @@ TEST_CASE("state: a diff of IDs undoes every change to them, bit for bit") {
 		Changes changes;
 		std::uint64_t id = 0;
 		REQUIRE(state.set_data(point_id(1, 50, 50), StateBytes{3}).ok());
-		for (const std::uint64_t one : ids) {
+		for (const std::uint64_t target_id : ids) {
 			if (random() % 2 != 0) {
-				state.remove(one);
-				state.restore(one);
-			} else if (is_added(one)) {
-				static_cast<void>(state.move(one, instance_at(1e4, 1e4, layer_of(one)), id, changes));
+				state.remove(target_id);
+				state.restore(target_id);
+			} else if (is_added(target_id)) {
+				static_cast<void>(state.move(target_id, instance_at(1e4, 1e4, layer_of(target_id)), id, changes));
 			}
 		}
 		REQUIRE(state.apply(diff, changes).ok());

@@ -56,8 +56,8 @@ void check_refused_bytes(const StateBytes &bytes) {
 void check_any_bytes(const StateBytes &bytes) {
 	static const InstanceState before = small_state();
 	StateBytes after;
-	const bool taken = load_into_copy(before, bytes, after).ok();
-	REQUIRE(after == (taken ? bytes : bytes_of(before)));
+	const bool is_loaded = load_into_copy(before, bytes, after).ok();
+	REQUIRE(after == (is_loaded ? bytes : bytes_of(before)));
 }
 
 std::size_t bytes_of_removals(const std::vector<std::uint64_t> &ids) {
@@ -102,19 +102,19 @@ TEST_CASE("state bytes: a loaded state is equal, and so are its bytes") {
 }
 
 TEST_CASE("state bytes: equal content has equal bytes, regardless of its history") {
-	InstanceState forth;
-	InstanceState back;
+	InstanceState original;
+	InstanceState restored;
 	for (int i = 0; i < 1000; ++i) {
-		forth.remove(point_id(2, i, i * i));
-		back.remove(point_id(2, 999 - i, (999 - i) * (999 - i)));
-		back.remove(point_id(3, i, 0));
+		original.remove(point_id(2, i, i * i));
+		restored.remove(point_id(2, 999 - i, (999 - i) * (999 - i)));
+		restored.remove(point_id(3, i, 0));
 	}
-	CHECK(forth.digest() != back.digest());
+	CHECK(original.digest() != restored.digest());
 	for (int i = 0; i < 1000; ++i) {
-		back.restore(point_id(3, i, 0));
+		restored.restore(point_id(3, i, 0));
 	}
-	CHECK(bytes_of(forth) == bytes_of(back));
-	CHECK(forth.digest() == back.digest());
+	CHECK(bytes_of(original) == bytes_of(restored));
+	CHECK(original.digest() == restored.digest());
 }
 
 TEST_CASE("state bytes: the format is unchanged") {
@@ -171,9 +171,9 @@ TEST_CASE("state bytes: damaged bytes with a valid checksum are rejected, or loa
 	StateRandom random(12);
 	InstanceState large;
 	change_at_random(large, random, 4000);
-	const StateBytes many = bytes_of(large);
+	const StateBytes large_bytes = bytes_of(large);
 	for (int round = 0; round < 300; ++round) {
-		StateBytes bytes = many;
+		StateBytes bytes = large_bytes;
 		for (int i = 0; i < 1 + round % 5; ++i) {
 			bytes[random() % (bytes.size() - 8)] = static_cast<std::uint8_t>(random());
 		}
@@ -188,21 +188,21 @@ TEST_CASE("state bytes: damaged bytes with a valid checksum are rejected, or loa
 
 TEST_CASE("state bytes: contradictory content is rejected") {
 	constexpr std::uint64_t point = std::uint64_t{1} << 48;
-	constexpr std::uint64_t placed = point | std::uint64_t{1} << 63;
+	constexpr std::uint64_t added_id = point | std::uint64_t{1} << 63;
 	StateRecord good;
 	good.is_complete = false;
 	good.removed = {point + 1, point + 2};
 	good.until = {{1, 5.0}};
 	good.present = {point + 3};
-	good.removed_placed = {placed + 1};
-	good.added = {placed + 2};
+	good.removed_placed = {added_id + 1};
+	good.added = {added_id + 2};
 	good.instances = {instance_at(1.0, 2.0)};
 	good.placed_at = {3.0};
-	good.with_data = {point + 1, point + 3, placed + 2};
+	good.with_data = {point + 1, point + 3, added_id + 2};
 	good.data = {{1}, {2}, {3}};
 	good.data_at = {0.0, 1.0, 2.0};
 	good.stamps[1] = 9;
-	const auto taken = [](const StateRecord &record) {
+	const auto is_loadable = [](const StateRecord &record) {
 		StateBytes bytes;
 		write(record, bytes);
 		InstanceState state;
@@ -211,47 +211,47 @@ TEST_CASE("state bytes: contradictory content is rejected") {
 		CHECK((status.ok() || (status.code == ErrorCode::corrupt && state.revision() == 0)));
 		return status.ok();
 	};
-	CHECK(taken(good));
-	const auto refused = [&](auto damage) {
+	CHECK(is_loadable(good));
+	const auto is_rejected = [&](auto damage) {
 		StateRecord bad = good;
 		damage(bad);
-		return !taken(bad);
+		return !is_loadable(bad);
 	};
-	CHECK(refused([](StateRecord &bad) { bad.is_complete = true; }));
-	CHECK(refused([](StateRecord &bad) { bad.removed[0] = point + 3; }));
-	CHECK(refused([](StateRecord &bad) { bad.removed[1] = placed + 7; }));
-	CHECK(refused([](StateRecord &bad) { bad.present[0] = placed + 7; }));
-	CHECK(refused([](StateRecord &bad) { bad.present[0] = point + 1; }));
-	CHECK(refused([](StateRecord &bad) { bad.removed_placed[0] = placed + 2; }));
-	CHECK(refused([](StateRecord &bad) { bad.removed_placed[0] = point + 7; }));
-	CHECK(refused([](StateRecord &bad) { bad.added[0] = point + 7; }));
-	CHECK(refused([](StateRecord &bad) { bad.added[0] = ~std::uint64_t{0}; }));
-	CHECK(refused([](StateRecord &bad) { bad.until[0].first = 2; }));
-	CHECK(refused([](StateRecord &bad) { bad.with_data[0] = point; }));
-	CHECK(refused([](StateRecord &bad) { bad.with_data[2] = placed + 1; }));
-	CHECK(refused([](StateRecord &bad) { bad.data[0].clear(); }));
-	CHECK(refused([](StateRecord &bad) { bad.data[0].resize(max_instance_data + 1); }));
-	CHECK(refused([](StateRecord &bad) { bad.stamps.clear(); }));
-	CHECK(refused([](StateRecord &bad) { bad.stamps[2] = 9; }));
-	CHECK(refused([](StateRecord &bad) { bad.instances[0].position.y = -0.0; }));
-	CHECK(refused([](StateRecord &bad) { bad.instances[0].position.y = 2e9; }));
-	CHECK(refused([](StateRecord &bad) { bad.instances[0].basis[0][1] = std::nanf(""); }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.is_complete = true; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.removed[0] = point + 3; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.removed[1] = added_id + 7; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.present[0] = added_id + 7; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.present[0] = point + 1; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.removed_placed[0] = added_id + 2; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.removed_placed[0] = point + 7; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.added[0] = point + 7; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.added[0] = ~std::uint64_t{0}; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.until[0].first = 2; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.with_data[0] = point; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.with_data[2] = added_id + 1; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.data[0].clear(); }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.data[0].resize(max_instance_data + 1); }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.stamps.clear(); }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.stamps[2] = 9; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.instances[0].position.y = -0.0; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.instances[0].position.y = 2e9; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.instances[0].basis[0][1] = std::nanf(""); }));
 	for (const double time : {-0.0, -1.0, 2e12, std::nan("")}) {
-		CHECK(refused([time](StateRecord &bad) { bad.time = time; }));
-		CHECK(refused([time](StateRecord &bad) { bad.until[0].second = time; }));
-		CHECK(refused([time](StateRecord &bad) { bad.placed_at[0] = time; }));
-		CHECK(refused([time](StateRecord &bad) { bad.data_at[0] = time; }));
+		CHECK(is_rejected([time](StateRecord &bad) { bad.time = time; }));
+		CHECK(is_rejected([time](StateRecord &bad) { bad.until[0].second = time; }));
+		CHECK(is_rejected([time](StateRecord &bad) { bad.placed_at[0] = time; }));
+		CHECK(is_rejected([time](StateRecord &bad) { bad.data_at[0] = time; }));
 	}
-	CHECK(refused([](StateRecord &bad) { bad.until[0].second = 0.0; }));
-	CHECK(refused([](StateRecord &bad) { bad.origin = {7, 5, 4}; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.until[0].second = 0.0; }));
+	CHECK(is_rejected([](StateRecord &bad) { bad.origin = {7, 5, 4}; }));
 	StateRecord complete = good;
 	complete.is_complete = true;
 	complete.removed_placed.clear();
-	CHECK(taken(complete));
+	CHECK(is_loadable(complete));
 	complete.with_data.erase(complete.with_data.begin() + 1);
 	complete.data.pop_back();
 	complete.data_at.pop_back();
-	CHECK_FALSE(taken(complete)); // The data would state only that the point is not removed.
+	CHECK_FALSE(is_loadable(complete)); // The data would state only that the point is not removed.
 }
 
 TEST_CASE("state bytes: a million removals take less than 4 MB, wherever they are") {

@@ -19,10 +19,10 @@ struct Reported {
 	/// Applies changes and checks that each of them has an effect.
 	void follow(const Changes &changes) {
 		for (const InstanceChange &change : changes) {
-			const bool placed = is_added(change.id);
+			const bool is_placed = is_added(change.id);
 			switch (change.kind) {
 				case InstanceChangeKind::removed:
-					if (placed) {
+					if (is_placed) {
 						REQUIRE(added.at(change.id) == change.added);
 						added.erase(change.id);
 					} else {
@@ -31,7 +31,7 @@ struct Reported {
 					break;
 				case InstanceChangeKind::restored: REQUIRE(removed.erase(change.id) == 1); break;
 				case InstanceChangeKind::added:
-					REQUIRE(placed);
+					REQUIRE(is_placed);
 					REQUIRE(added.emplace(change.id, change.added).second);
 					break;
 				case InstanceChangeKind::left: REQUIRE(added.at(change.id) == change.added); break;
@@ -78,13 +78,13 @@ TEST_CASE("state exchange: a peer that receives the diffs has the same content")
 		std::vector<std::pair<std::uint64_t, InstanceState>> peers;
 		InstanceState follower;
 		Reported reported;
-		std::uint64_t known = 0;
+		std::uint64_t known_revision = 0;
 		for (int step = 0; step < 12; ++step) {
 			peers.emplace_back(server.revision(), copy_of(server));
 			change_at_random(server, random, static_cast<int>(random() % 20));
 			Changes changes;
-			REQUIRE(follower.apply(diff_of(server, known), changes).ok());
-			known = server.revision();
+			REQUIRE(follower.apply(diff_of(server, known_revision), changes).ok());
+			known_revision = server.revision();
 			reported.follow(changes);
 			reported.check(follower);
 			REQUIRE(follower.digest() == server.digest());
@@ -107,14 +107,14 @@ TEST_CASE("state exchange: a peer that receives the diffs has the same content")
 TEST_CASE("state exchange: a diff contains only the changed IDs") {
 	InstanceState server;
 	server.remove(point_id(1, 0, 0));
-	const std::uint64_t known = server.revision();
+	const std::uint64_t known_revision = server.revision();
 	server.remove(point_id(1, 1, 0));
 	server.restore(point_id(1, 0, 0));
 	InstanceState peer;
 	peer.remove(point_id(1, 0, 0));
 	peer.remove(point_id(1, 9, 9));
 	Changes changes;
-	REQUIRE(peer.apply(diff_of(server, known), changes).ok());
+	REQUIRE(peer.apply(diff_of(server, known_revision), changes).ok());
 	CHECK(peer.removed_ids() == std::vector<std::uint64_t>{point_id(1, 1, 0), point_id(1, 9, 9)});
 	CHECK(changes.size() == 2);
 	const StateBytes nothing = diff_of(server, server.revision());
@@ -156,8 +156,8 @@ TEST_CASE("state exchange: the history of added and removed instances is bounded
 	peer.remove(point_id(1, 0, 0));
 	const StateBytes all = diff_of(server, 1);
 	CHECK(all == bytes_of(server));
-	const StateBytes some = diff_of(server, server.revision() - 60000);
-	CHECK(some != all);
+	const StateBytes recent_diff = diff_of(server, server.revision() - 60000);
+	CHECK(recent_diff != all);
 	Changes changes;
 	REQUIRE(peer.apply(all, changes).ok());
 	CHECK(peer.digest() == server.digest());
@@ -190,31 +190,33 @@ TEST_CASE("state exchange: a merged state has the content of both") {
 		Changes until_then; // With equal clocks, nothing regrows during the merge.
 		REQUIRE(a.advance(b.time() - a.time(), until_then).ok());
 		REQUIRE(b.advance(a.time() - b.time(), until_then).ok());
-		InstanceState both = copy_of(a);
+		InstanceState joined = copy_of(a);
 		Reported reported;
 		Changes changes;
 		InstanceState empty;
 		REQUIRE(empty.apply(bytes_of(a), changes).ok());
-		REQUIRE(both.merge(b, changes).ok());
+		REQUIRE(joined.merge(b, changes).ok());
 		reported.follow(changes);
-		reported.check(both);
-		for (const std::uint64_t id : both.removed_ids()) {
+		reported.check(joined);
+		for (const std::uint64_t id : joined.removed_ids()) {
 			REQUIRE((a.removed(id) || b.removed(id)));
 		}
-		for (const InstanceState *one : {&a, &b}) {
-			REQUIRE(std::ranges::all_of(one->removed_ids(), [&](std::uint64_t id) { return both.removed(id); }));
-			REQUIRE(std::ranges::all_of(one->added_ids(), [&](std::uint64_t id) { return both.added(id) != nullptr; }));
+		for (const InstanceState *peer : {&a, &b}) {
+			REQUIRE(std::ranges::all_of(peer->removed_ids(), [&](std::uint64_t id) { return joined.removed(id); }));
+			REQUIRE(std::ranges::all_of(
+					peer->added_ids(), [&](std::uint64_t id) { return joined.added(id) != nullptr; }));
 		}
-		for (const std::uint64_t id : both.added_ids()) {
-			const auto is_there = [&](const InstanceState &one) {
-				return one.added(id) != nullptr && *one.added(id) == *both.added(id);
+		for (const std::uint64_t id : joined.added_ids()) {
+			const auto is_there = [&](const InstanceState &peer) {
+				return peer.added(id) != nullptr && *peer.added(id) == *joined.added(id);
 			};
 			REQUIRE((is_there(a) || is_there(b)));
 		}
-		for (const std::uint64_t id : both.data_ids()) {
-			REQUIRE((std::ranges::equal(both.data(id), a.data(id)) || std::ranges::equal(both.data(id), b.data(id))));
+		for (const std::uint64_t id : joined.data_ids()) {
+			REQUIRE((std::ranges::equal(joined.data(id), a.data(id)) ||
+					std::ranges::equal(joined.data(id), b.data(id))));
 		}
-		CHECK(both.time() == std::max(a.time(), b.time()));
+		CHECK(joined.time() == std::max(a.time(), b.time()));
 	}
 }
 
@@ -224,12 +226,12 @@ TEST_CASE("state exchange: merging is commutative, associative and idempotent") 
 		const InstanceState a = state_of(random, 50);
 		const InstanceState b = state_of(random, 50);
 		const InstanceState c = state_of(random, 50);
-		InstanceState again = merged(a, b);
+		InstanceState merged_again = merged(a, b);
 		Changes changes;
-		REQUIRE(again.merge(b, changes).ok());
-		REQUIRE(again.merge(again, changes).ok());
+		REQUIRE(merged_again.merge(b, changes).ok());
+		REQUIRE(merged_again.merge(merged_again, changes).ok());
 		CHECK(changes.empty());
-		CHECK(bytes_of(again) == bytes_of(merged(a, b)));
+		CHECK(bytes_of(merged_again) == bytes_of(merged(a, b)));
 		CHECK(bytes_of(merged(merged(a, b), c)) == bytes_of(merged(a, merged(b, c))));
 		CHECK(bytes_of(merged(a, b)) == bytes_of(merged(b, a)));
 	}
@@ -237,14 +239,14 @@ TEST_CASE("state exchange: merging is commutative, associative and idempotent") 
 
 TEST_CASE("state exchange: of two removals of an instance, the longer one applies") {
 	const std::uint64_t id = point_id(1, 2, 3);
-	const auto removed_until = [id](double until) {
+	const auto removed_until = [id](double end_time) {
 		InstanceState state;
-		state.remove(id, until);
+		state.remove(id, end_time);
 		return state;
 	};
-	const InstanceState both = merged(removed_until(10.0), removed_until(20.0));
-	CHECK(both.digest() == removed_until(20.0).digest());
-	CHECK(merged(removed_until(20.0), removed_until(10.0)).digest() == both.digest());
-	CHECK(merged(both, removed_until(0.0)).digest() == removed_until(0.0).digest());
-	CHECK(merged(removed_until(0.0), both).digest() == removed_until(0.0).digest());
+	const InstanceState joined = merged(removed_until(10.0), removed_until(20.0));
+	CHECK(joined.digest() == removed_until(20.0).digest());
+	CHECK(merged(removed_until(20.0), removed_until(10.0)).digest() == joined.digest());
+	CHECK(merged(joined, removed_until(0.0)).digest() == removed_until(0.0).digest());
+	CHECK(merged(removed_until(0.0), joined).digest() == removed_until(0.0).digest());
 }

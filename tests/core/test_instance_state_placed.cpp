@@ -82,8 +82,8 @@ TEST_CASE("state: many instances are placed as they would be one by one, or none
 	const std::uint64_t revision = state.revision();
 	all[17].position.y = std::nan("");
 	changes.clear();
-	const Status refused = state.add_all(all, ids, changes);
-	CHECK(refused.code == ErrorCode::not_finite);
+	const Status status = state.add_all(all, ids, changes);
+	CHECK(status.code == ErrorCode::not_finite);
 	CHECK(ids.size() == 17);
 	CHECK(changes.empty());
 	CHECK(state.digest() == before);
@@ -94,19 +94,19 @@ TEST_CASE("state: many instances are placed as they would be one by one, or none
 
 TEST_CASE("state: the error for an invalid hand-placed instance names the property") {
 	InstanceState state;
-	const auto refused = [&state](const AddedInstance &instance, const char *property, ErrorCode code) {
+	const auto check_rejected = [&state](const AddedInstance &instance, const char *property, ErrorCode code) {
 		std::uint64_t id = 5;
 		const Status status = state.add(instance, id);
 		CHECK(status.code == code);
 		CHECK(std::string(status.property) == property);
 		CHECK(id == 5);
 	};
-	refused(instance_at(0.0, 0.0, 32768), "layer", ErrorCode::out_of_range);
-	refused(instance_at(std::nan(""), 0.0), "position", ErrorCode::not_finite);
-	refused(instance_at(0.0, 1.1e9), "position", ErrorCode::out_of_range);
-	AddedInstance bent;
-	bent.basis[2][1] = std::numeric_limits<float>::infinity();
-	refused(bent, "basis", ErrorCode::not_finite);
+	check_rejected(instance_at(0.0, 0.0, 32768), "layer", ErrorCode::out_of_range);
+	check_rejected(instance_at(std::nan(""), 0.0), "position", ErrorCode::not_finite);
+	check_rejected(instance_at(0.0, 1.1e9), "position", ErrorCode::out_of_range);
+	AddedInstance invalid_basis;
+	invalid_basis.basis[2][1] = std::numeric_limits<float>::infinity();
+	check_rejected(invalid_basis, "basis", ErrorCode::not_finite);
 	CHECK(state.revision() == 0);
 	CHECK(state.added_count() == 0);
 }
@@ -125,9 +125,9 @@ TEST_CASE("state: hand-placed instances are found at their positions") {
 		expected[added_to(state, instance)] = instance;
 	}
 	for (int i = 0; i < 1500; ++i) {
-		const auto gone = std::next(expected.begin(), static_cast<std::ptrdiff_t>(random() % expected.size()));
-		REQUIRE(state.remove(gone->first));
-		expected.erase(gone);
+		const auto removed = std::next(expected.begin(), static_cast<std::ptrdiff_t>(random() % expected.size()));
+		REQUIRE(state.remove(removed->first));
+		expected.erase(removed);
 	}
 	std::vector<Rect> rects{{{-infinite, -infinite}, {infinite, infinite}}, {{-1e9, -1e9}, {1e9, 1e9}},
 			{{5.0, 5.0}, {5.0, 9.0}}, {{5.0, 5.0}, {1.0, 9.0}}, {{std::nan(""), 5.0}, {1.0, 9.0}},
@@ -168,8 +168,8 @@ TEST_CASE("state: the largest scale of the hand-placed instances is known") {
 TEST_CASE("state: hand-placed instances belong to any set of points") {
 	InstanceState state;
 	REQUIRE(state.claim(1, 10).ok());
-	const std::uint64_t placed = added_to(state, instance_at(1.0, 2.0));
-	REQUIRE(state.set_data(placed, StateBytes{1}).ok());
+	const std::uint64_t added_id = added_to(state, instance_at(1.0, 2.0));
+	REQUIRE(state.set_data(added_id, StateBytes{1}).ok());
 	CHECK_FALSE(state.is_foreign(1, 20));
 	CHECK(state.claim(1, 20).ok());
 	CHECK(state.stamp(1) == 20);
@@ -178,11 +178,11 @@ TEST_CASE("state: hand-placed instances belong to any set of points") {
 	// data of a point make it foreign.
 	InstanceState other;
 	REQUIRE(other.claim(1, 30).ok());
-	const std::uint64_t elsewhere = added_to(other, instance_at(5.0, 6.0));
+	const std::uint64_t foreign_id = added_to(other, instance_at(5.0, 6.0));
 	Changes changes;
 	CHECK(state.merge(other, changes).ok());
 	CHECK(state.apply(diff_of(other, 0), changes).ok());
-	CHECK(state.added(elsewhere) != nullptr);
+	CHECK(state.added(foreign_id) != nullptr);
 	CHECK(state.stamp(1) == 20);
 	for (const std::uint64_t point : {point_id(1, 0, 0), point_id(1, 3, 3)}) {
 		REQUIRE(other.set_data(point, StateBytes{1}).ok());
@@ -196,32 +196,32 @@ TEST_CASE("state: hand-placed instances belong to any set of points") {
 
 TEST_CASE("state: a hand-placed instance that moves keeps its ID and its data") {
 	InstanceState state;
-	const std::uint64_t placed = added_to(state, instance_at(1.0, 2.0));
-	REQUIRE(state.set_data(placed, StateBytes{7}).ok());
-	AddedInstance to = instance_at(700.0, -900.0);
-	to.basis[2][0] = -0.3f;
+	const std::uint64_t added_id = added_to(state, instance_at(1.0, 2.0));
+	REQUIRE(state.set_data(added_id, StateBytes{7}).ok());
+	AddedInstance target = instance_at(700.0, -900.0);
+	target.basis[2][0] = -0.3f;
 	std::uint64_t id = 0;
 	Changes changes;
-	REQUIRE(state.move(placed, to, id, changes).ok());
-	CHECK(id == placed);
-	CHECK(*state.added(placed) == to);
-	CHECK(state.data(placed).size() == 1);
+	REQUIRE(state.move(added_id, target, id, changes).ok());
+	CHECK(id == added_id);
+	CHECK(*state.added(added_id) == target);
+	CHECK(state.data(added_id).size() == 1);
 	REQUIRE(changes.size() == 2);
 	CHECK(changes[0].kind == InstanceChangeKind::left);
 	CHECK(changes[0].added == instance_at(1.0, 2.0));
 	CHECK(changes[1].kind == InstanceChangeKind::moved);
-	CHECK(changes[1].added == to);
-	std::vector<std::uint64_t> found;
-	REQUIRE(state.added_in(1, {{0.0, 0.0}, {10.0, 10.0}}, found).ok());
-	CHECK(found.empty());
-	REQUIRE(state.added_in(1, {{690.0, -910.0}, {710.0, -890.0}}, found).ok());
-	CHECK(found == std::vector<std::uint64_t>{placed});
+	CHECK(changes[1].added == target);
+	std::vector<std::uint64_t> ids;
+	REQUIRE(state.added_in(1, {{0.0, 0.0}, {10.0, 10.0}}, ids).ok());
+	CHECK(ids.empty());
+	REQUIRE(state.added_in(1, {{690.0, -910.0}, {710.0, -890.0}}, ids).ok());
+	CHECK(ids == std::vector<std::uint64_t>{added_id});
 	// An instance placed at the old position gets a different ID. Moving an instance to its current
 	// position has no effect.
-	CHECK(added_to(state, instance_at(1.0, 2.0)) != placed);
+	CHECK(added_to(state, instance_at(1.0, 2.0)) != added_id);
 	const std::uint64_t revision = state.revision();
 	changes.clear();
-	REQUIRE(state.move(placed, to, id, changes).ok());
+	REQUIRE(state.move(added_id, target, id, changes).ok());
 	CHECK(changes.empty());
 	CHECK(state.revision() == revision);
 }
@@ -246,9 +246,9 @@ TEST_CASE("state: a moved point is removed and replaced by a hand-placed instanc
 	CHECK(state.move(point, instance_at(1.0, 1.0), untouched, changes).code == ErrorCode::missing);
 	CHECK(state.move(id, instance_at(1.0, 1.0, 2), untouched, changes).code == ErrorCode::missing);
 	CHECK(state.move(id + 1, instance_at(1.0, 1.0), untouched, changes).code == ErrorCode::missing);
-	AddedInstance nowhere = instance_at(1.0, 1.0);
-	nowhere.position.y = std::numeric_limits<double>::infinity();
-	CHECK_FALSE(state.move(id, nowhere, untouched, changes).ok());
+	AddedInstance invalid_position = instance_at(1.0, 1.0);
+	invalid_position.position.y = std::numeric_limits<double>::infinity();
+	CHECK_FALSE(state.move(id, invalid_position, untouched, changes).ok());
 	CHECK(changes.empty());
 	CHECK(untouched == 5);
 	CHECK(bytes_of(state) == before);

@@ -44,11 +44,11 @@ TEST_CASE("instance world: the least recently used tiles are evicted, a few for 
 	const auto forgotten = [&generated] {
 		return std::ranges::count_if(generated, [](const auto &tile) { return tile.expired(); });
 	};
-	const auto known = [&world](int x) {
+	const auto is_known = [&world](int x) {
 		return world.find({0, {x, 0}}) != nullptr;
 	};
 	std::ptrdiff_t before = 0;
-	std::ptrdiff_t most = 0;
+	std::ptrdiff_t max_tiles = 0;
 	for (int x = 0; x < tiles; ++x) {
 		auto tile = tile_of(instances);
 		generated.emplace_back(tile);
@@ -56,23 +56,23 @@ TEST_CASE("instance world: the least recently used tiles are evicted, a few for 
 			visible.push_back(tile);
 		}
 		world.keep({0, {x, 0}}, std::move(tile));
-		for (const auto &gone : world.take_forgotten()) {
-			CHECK(gone.use_count() == 1);
+		for (const auto &dropped : world.take_forgotten()) {
+			CHECK(dropped.use_count() == 1);
 		}
-		REQUIRE(known(60) == (x >= 60)); // This tile is requested in every step.
-		most = std::max(most, forgotten() - before);
+		REQUIRE(is_known(60) == (x >= 60)); // This tile is requested in every step.
+		max_tiles = std::max(max_tiles, forgotten() - before);
 		before = forgotten();
 	}
-	CHECK(most == 2);
+	CHECK(max_tiles == 2);
 	const auto idle = static_cast<std::size_t>(tiles - before) - visible.size();
 	CHECK(idle * instances > InstanceWorld::max_idle_instances / 2);
 	CHECK(idle * instances < InstanceWorld::max_idle_instances * 3 / 2);
-	CHECK(known(0));
-	CHECK(known(49));
-	CHECK_FALSE(known(50));
-	CHECK_FALSE(known(1000));
+	CHECK(is_known(0));
+	CHECK(is_known(49));
+	CHECK_FALSE(is_known(50));
+	CHECK_FALSE(is_known(1000));
 	for (int x = tiles - 200; x < tiles; ++x) {
-		CHECK(known(x));
+		CHECK(is_known(x));
 	}
 }
 
@@ -109,9 +109,9 @@ TEST_CASE("instance world: the missing tiles of a query are generated together, 
 	flat.world.keep({0, {0, 0}}, flat.make({0, 0}));
 	std::vector<PlacedInstance> first;
 	std::vector<PlacedInstance> second;
-	for (std::vector<PlacedInstance> *found : {&first, &second}) {
+	for (std::vector<PlacedInstance> *results : {&first, &second}) {
 		CHECK(flat.world.answer([&](const InstanceQuery &query) {
-							return query.in_sphere({0.0, 0.0, 0.0}, 20.0, {}, *found);
+							return query.in_sphere({0.0, 0.0, 0.0}, 20.0, {}, *results);
 						})
 						.ok());
 	}
@@ -135,12 +135,12 @@ TEST_CASE("instance world: a tile that was generated while the layers changed is
 				return {};
 			});
 	const auto answer = [&flat] {
-		std::vector<PlacedInstance> found;
+		std::vector<PlacedInstance> results;
 		CHECK(flat.world.answer([&](const InstanceQuery &query) {
-							return query.in_rect({{4.0, 4.0}, {8.0, 8.0}}, {}, found);
+							return query.in_rect({{4.0, 4.0}, {8.0, 8.0}}, {}, results);
 						})
 						.ok());
-		CHECK(found.size() > 1);
+		CHECK(results.size() > 1);
 	};
 	answer();
 	CHECK(generated == 1);

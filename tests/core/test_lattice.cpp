@@ -91,11 +91,11 @@ TEST_CASE("lattice: the check itself finds a missing point and an extra point") 
 	const analysis::CellRect cells = inner_cells(set, region, 0);
 	REQUIRE(LatticeCheck::run(points, lattice_bits, cells).perfect());
 
-	const auto inside = [&](glm::i64vec2 point) {
+	const auto is_inside = [&](glm::i64vec2 point) {
 		return cells.contains({point.x >> lattice_bits, point.y >> lattice_bits});
 	};
 	for (std::size_t i = 0; i < points.size(); i += 29) {
-		if (!inside(points[i])) {
+		if (!is_inside(points[i])) {
 			continue;
 		}
 		// Without the point, at least its lattice point is uncovered, because no other point
@@ -106,9 +106,9 @@ TEST_CASE("lattice: the check itself finds a missing point and an extra point") 
 		CHECK(hole.uncovered > 0);
 		CHECK(hole.too_close == 0);
 
-		std::vector<glm::i64vec2> more = points;
-		more.push_back(points[i] + glm::i64vec2(20000, 3000));
-		CHECK(LatticeCheck::run(more, lattice_bits, cells).too_close > 0);
+		std::vector<glm::i64vec2> more_points = points;
+		more_points.push_back(points[i] + glm::i64vec2(20000, 3000));
+		CHECK(LatticeCheck::run(more_points, lattice_bits, cells).too_close > 0);
 	}
 }
 

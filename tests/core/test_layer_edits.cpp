@@ -65,21 +65,21 @@ TEST_CASE("edits of shapes: a moved shape touches its old and its new area, in a
 	CHECK(find_shape_edits(nullptr, nullptr, areas));
 	CHECK(areas.empty());
 	// Two equal shapes count twice.
-	const auto twice = set_of({ball({0.0, 0.0}, 2.0), ball({0.0, 0.0}, 2.0)});
-	const auto once = set_of({ball({0.0, 0.0}, 2.0)});
-	CHECK(find_shape_edits(twice.get(), once.get(), areas));
+	const auto two_balls = set_of({ball({0.0, 0.0}, 2.0), ball({0.0, 0.0}, 2.0)});
+	const auto one_ball = set_of({ball({0.0, 0.0}, 2.0)});
+	CHECK(find_shape_edits(two_balls.get(), one_ball.get(), areas));
 	CHECK(areas.size() == 1);
 }
 
 TEST_CASE("edits of shapes: adding the first including shape, or removing the last, touches everything") {
 	const auto outside = set_of({ball({0.0, 0.0}, 2.0)});
-	const auto one = set_of({ball({0.0, 0.0}, 2.0), ball({9.0, 0.0}, 2.0, false)});
+	const auto two_places = set_of({ball({0.0, 0.0}, 2.0), ball({9.0, 0.0}, 2.0, false)});
 	const auto two = set_of({ball({0.0, 0.0}, 2.0), ball({9.0, 0.0}, 2.0, false), ball({30.0, 0.0}, 2.0, false)});
 	std::vector<Rect> areas;
-	CHECK_FALSE(find_shape_edits(outside.get(), one.get(), areas));
-	CHECK_FALSE(find_shape_edits(one.get(), nullptr, areas));
+	CHECK_FALSE(find_shape_edits(outside.get(), two_places.get(), areas));
+	CHECK_FALSE(find_shape_edits(two_places.get(), nullptr, areas));
 	CHECK(areas.empty());
-	CHECK(find_shape_edits(one.get(), two.get(), areas));
+	CHECK(find_shape_edits(two_places.get(), two.get(), areas));
 	REQUIRE(areas.size() == 1);
 	CHECK(near(areas[0], {{28.0, -2.0}, {32.0, 2.0}}));
 }
@@ -112,19 +112,19 @@ TEST_CASE("edits of a mask: the pixels that differ, and the reach of their blend
 	Rect area;
 	CHECK_FALSE(before.differs(after, area));
 	CHECK(area.empty());
-	Rect changed;
+	Rect changed_rect;
 	const std::vector<std::uint8_t> dark(6, 7);
 	// The pixels are around a corner that four blocks share.
-	REQUIRE(after.write({{63, -1}, {66, 1}}, dark, changed).ok());
+	REQUIRE(after.write({{63, -1}, {66, 1}}, dark, changed_rect).ok());
 	CHECK(before.differs(after, area));
 	CHECK(near(area, {{31.25, -0.75}, {33.25, 0.75}}, 1e-9));
-	CHECK(near(area, changed, 1e-9));
-	Rect back;
-	CHECK(after.differs(before, back));
-	CHECK(near(area, back, 0.0));
+	CHECK(near(area, changed_rect, 1e-9));
+	Rect reversed_rect;
+	CHECK(after.differs(before, reversed_rect));
+	CHECK(near(area, reversed_rect, 0.0));
 	// After the pixels are painted back, nothing differs.
 	const std::vector<std::uint8_t> bright(6, 255);
-	REQUIRE(after.write({{63, -1}, {66, 1}}, bright, changed).ok());
+	REQUIRE(after.write({{63, -1}, {66, 1}}, bright, changed_rect).ok());
 	CHECK_FALSE(before.differs(after, area));
 
 	PaintedMask other;
@@ -136,7 +136,7 @@ TEST_CASE("edits of a mask: the pixels that differ, and the reach of their blend
 TEST_CASE("edits of a layer: grown by its edge, and by the distances along chains of neighbors") {
 	const auto oak_before = layer_with({ball({0.0, 0.0}, 2.0)});
 	const auto oak_after = layer_with({});
-	const auto between = [](const std::shared_ptr<LayerSettings> &oak) {
+	const auto link = [](const std::shared_ptr<LayerSettings> &oak) {
 		auto birch = std::make_shared<LayerSettings>();
 		birch->set.layer = 1;
 		birch->neighbors = {{oak, 3.0, nullptr}};
@@ -146,18 +146,19 @@ TEST_CASE("edits of a layer: grown by its edge, and by the distances along chain
 		return fern;
 	};
 	oak_before->rules.edge_feather = oak_after->rules.edge_feather = 5.0;
-	const auto before = between(oak_before);
-	const auto after = between(oak_after);
+	const auto before = link(oak_before);
+	const auto after = link(oak_after);
 	EditSearch search;
-	const EditedArea own = search.find(*oak_before, *oak_after);
-	CHECK_FALSE(own.everywhere);
-	REQUIRE(own.areas.size() == 1);
-	CHECK(near(own.areas[0], {{-7.0, -7.0}, {7.0, 7.0}}, 0.02));
-	const EditedArea through = search.find(*before, *after);
-	CHECK_FALSE(through.everywhere);
-	REQUIRE(through.areas.size() == 1); // The area that the shorter chain affects is within the area of the longer one.
-	CHECK(near(through.areas[0], {{-14.0, -14.0}, {14.0, 14.0}}, 0.05));
-	CHECK(through.areas[0].min.x < -14.0);
+	const EditedArea own_edits = search.find(*oak_before, *oak_after);
+	CHECK_FALSE(own_edits.everywhere);
+	REQUIRE(own_edits.areas.size() == 1);
+	CHECK(near(own_edits.areas[0], {{-7.0, -7.0}, {7.0, 7.0}}, 0.02));
+	const EditedArea linked_edits = search.find(*before, *after);
+	CHECK_FALSE(linked_edits.everywhere);
+	REQUIRE(linked_edits.areas.size() ==
+			1); // The area that the shorter chain affects is within the area of the longer one.
+	CHECK(near(linked_edits.areas[0], {{-14.0, -14.0}, {14.0, 14.0}}, 0.05));
+	CHECK(linked_edits.areas[0].min.x < -14.0);
 	CHECK(search.find(*before, *before).empty());
 }
 
@@ -168,26 +169,26 @@ TEST_CASE("edits of a layer: a changed setting affects everything, a neighbor's 
 	before.neighbors = {{oak, 3.0, nullptr}};
 	EditSearch search;
 	const auto everywhere_after = [&](const auto &change) {
-		auto changed = std::make_shared<LayerSettings>(*oak);
+		auto changed_oak = std::make_shared<LayerSettings>(*oak);
 		LayerSettings after = before;
-		change(after, *changed);
-		after.neighbors[0].layer = changed;
+		change(after, *changed_oak);
+		after.neighbors[0].layer = changed_oak;
 		const EditedArea area = EditSearch().find(before, after);
 		CHECK(area.areas.empty());
 		return area.everywhere;
 	};
 	CHECK_FALSE(everywhere_after([](LayerSettings &, LayerSettings &) {}));
-	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.rules.density = 0.5; }));
-	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.placement.max_scale = 2.0; }));
-	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.mesh_weights = {1.0f, 2.0f}; }));
-	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) { own.neighbors[0].distance = 4.0; }));
+	CHECK(everywhere_after([](LayerSettings &layer, LayerSettings &) { layer.rules.density = 0.5; }));
+	CHECK(everywhere_after([](LayerSettings &layer, LayerSettings &) { layer.placement.max_scale = 2.0; }));
+	CHECK(everywhere_after([](LayerSettings &layer, LayerSettings &) { layer.mesh_weights = {1.0f, 2.0f}; }));
+	CHECK(everywhere_after([](LayerSettings &layer, LayerSettings &) { layer.neighbors[0].distance = 4.0; }));
 	CHECK(everywhere_after([](LayerSettings &, LayerSettings &other) { other.rules.density = 0.5; }));
 	CHECK(everywhere_after([](LayerSettings &, LayerSettings &other) { other.set.seed = 5; }));
 	CHECK_FALSE(everywhere_after([](LayerSettings &, LayerSettings &other) { other.placement.max_scale = 2.0; }));
 	CHECK_FALSE(everywhere_after([](LayerSettings &, LayerSettings &other) { other.mesh_weights = {1.0f, 2.0f}; }));
-	CHECK(everywhere_after([](LayerSettings &own, LayerSettings &) {
+	CHECK(everywhere_after([](LayerSettings &layer, LayerSettings &) {
 		auto mask = std::make_shared<PaintedMask>();
-		own.rules.mask = mask;
+		layer.rules.mask = mask;
 	}));
 }
 

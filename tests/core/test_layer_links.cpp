@@ -48,9 +48,10 @@ std::size_t problems(const std::vector<NamedLayer> &layers, std::size_t index, c
 	for (const NamedLayer &layer : layers) {
 		links.push_back(&layer);
 	}
-	const std::vector<std::string> found = name_problems(links, index);
-	CHECK(std::ranges::all_of(found, [&](const std::string &text) { return text.find(word) != std::string::npos; }));
-	return found.size();
+	const std::vector<std::string> found_problems = name_problems(links, index);
+	CHECK(std::ranges::all_of(
+			found_problems, [&](const std::string &text) { return text.find(word) != std::string::npos; }));
+	return found_problems.size();
 }
 
 } // namespace
@@ -68,12 +69,12 @@ TEST_CASE("links: the later layer of a pair keeps the larger distance, whichever
 	CHECK(result[2]->neighbors[0] == Neighbor{result[0], 2.0, nullptr});
 
 	std::swap(layers[0], layers[2]);
-	const std::vector<SharedLayer> turned = linked(layers);
-	CHECK(turned[0]->neighbors.empty());
-	CHECK(turned[1]->neighbors.empty());
-	REQUIRE(turned[2]->neighbors.size() == 2);
-	CHECK(turned[2]->neighbors[0] == Neighbor{turned[0], 2.0, nullptr});
-	CHECK(turned[2]->neighbors[1] == Neighbor{turned[1], 5.0, nullptr});
+	const std::vector<SharedLayer> linked_layers = linked(layers);
+	CHECK(linked_layers[0]->neighbors.empty());
+	CHECK(linked_layers[1]->neighbors.empty());
+	REQUIRE(linked_layers[2]->neighbors.size() == 2);
+	CHECK(linked_layers[2]->neighbors[0] == Neighbor{linked_layers[0], 2.0, nullptr});
+	CHECK(linked_layers[2]->neighbors[1] == Neighbor{linked_layers[1], 5.0, nullptr});
 }
 
 TEST_CASE("links: proximity applies to earlier layers only") {
@@ -182,9 +183,9 @@ TEST_CASE("links: the layers on which colors, variations and scales depend are e
 	layers[2].color_layer = "elm";
 	CHECK(problems(layers, 2, "color_value.layer is \"elm\", and no layer has that name") == 1);
 	layers[0].settings.rules.density = 0.5;
-	const std::vector<SharedLayer> later = linked(layers, result);
-	CHECK(later[1] != result[1]);
-	CHECK(later[1]->instance_data.color.layer == later[0]);
+	const std::vector<SharedLayer> later_layers = linked(layers, result);
+	CHECK(later_layers[1] != result[1]);
+	CHECK(later_layers[1]->instance_data.color.layer == later_layers[0]);
 }
 
 TEST_CASE("links: a missing layer is not a neighbor, and a rejected one keeps its settings") {
@@ -215,11 +216,11 @@ TEST_CASE("links: a missing layer is not a neighbor, and a rejected one keeps it
 }
 
 TEST_CASE("layers: an unused name is kept, and a used one gets the lowest free number") {
-	const std::vector<std::string> taken{"Oak", "Oak 2", "Oak 4", "Fir 2", ""};
-	CHECK(free_layer_name("Fir", taken) == "Fir");
-	CHECK(free_layer_name("Oak", taken) == "Oak 3");
-	CHECK(free_layer_name("Fir 2", taken) == "Fir 2 2");
-	CHECK(free_layer_name("", taken) == " 2");
+	const std::vector<std::string> used_names{"Oak", "Oak 2", "Oak 4", "Fir 2", ""};
+	CHECK(free_layer_name("Fir", used_names) == "Fir");
+	CHECK(free_layer_name("Oak", used_names) == "Oak 3");
+	CHECK(free_layer_name("Fir 2", used_names) == "Fir 2 2");
+	CHECK(free_layer_name("", used_names) == " 2");
 	CHECK(free_layer_name("Oak", {}) == "Oak");
 }
 

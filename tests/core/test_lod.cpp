@@ -91,24 +91,24 @@ TEST_CASE("lod: the instances that remain are enlarged to cover the same area, u
 TEST_CASE("lod: a limited fraction approaches the requested fraction in few steps and never exceeds the limit") {
 	double fraction = 1.0;
 	int changes = 0;
-	const auto follow = [&fraction, &changes](std::uint64_t wanted, std::uint64_t max_instances) {
-		const double next = limited_fraction(fraction, wanted, max_instances);
+	const auto follow = [&fraction, &changes](std::uint64_t wanted_count, std::uint64_t max_instances) {
+		const double next = limited_fraction(fraction, wanted_count, max_instances);
 		changes += next != fraction ? 1 : 0;
 		fraction = next;
-		CHECK(fraction * static_cast<double>(wanted) <= static_cast<double>(max_instances));
+		CHECK(fraction * static_cast<double>(wanted_count) <= static_cast<double>(max_instances));
 		CHECK(fraction >= 0.0);
 		CHECK(fraction <= 1.0);
 		// The fraction has settled, so a second call returns the same value.
-		CHECK(limited_fraction(fraction, wanted, max_instances) == fraction);
+		CHECK(limited_fraction(fraction, wanted_count, max_instances) == fraction);
 	};
-	for (std::uint64_t wanted = 0; wanted <= 1000000; wanted += 500) {
-		follow(wanted, 100000);
-		CHECK((wanted > 100000 || fraction == 1.0));
-		CHECK((wanted < 100000 || fraction * static_cast<double>(wanted) > 0.69 * 100000.0));
+	for (std::uint64_t wanted_count = 0; wanted_count <= 1000000; wanted_count += 500) {
+		follow(wanted_count, 100000);
+		CHECK((wanted_count > 100000 || fraction == 1.0));
+		CHECK((wanted_count < 100000 || fraction * static_cast<double>(wanted_count) > 0.69 * 100000.0));
 	}
 	CHECK(changes < 30);
-	for (std::uint64_t wanted = 1000000; wanted > 0; wanted -= 500) {
-		follow(wanted, 100000);
+	for (std::uint64_t wanted_count = 1000000; wanted_count > 0; wanted_count -= 500) {
+		follow(wanted_count, 100000);
 	}
 	CHECK(fraction == 1.0);
 	CHECK(changes < 60);
@@ -123,18 +123,18 @@ TEST_CASE("lod: within the margin nothing changes, for every displayed state") {
 	std::uniform_real_distribution<double> any(0.0, 160.0);
 	std::uniform_real_distribution<double> fraction(-0.9999, 0.9999);
 	const LodSettings settings = thinning();
-	double least = 1e9;
+	double min_margin = 1e9;
 	for (int i = 0; i < 20000; ++i) {
 		const double distance = any(random);
 		const double margin = distance_margin(settings, distance);
-		least = std::fmin(least, margin);
-		const double near = distance + margin * fraction(random);
-		CHECK(thinned_density(settings, near) == thinned_density(settings, distance));
+		min_margin = std::fmin(min_margin, margin);
+		const double near_distance = distance + margin * fraction(random);
+		CHECK(thinned_density(settings, near_distance) == thinned_density(settings, distance));
 		for (std::size_t current_lod = 0; current_lod < 4; ++current_lod) {
-			CHECK(lod_at(settings, near, current_lod) == lod_at(settings, distance, current_lod));
+			CHECK(lod_at(settings, near_distance, current_lod) == lod_at(settings, distance, current_lod));
 		}
 	}
-	CHECK(least < 0.01);
+	CHECK(min_margin < 0.01);
 	CHECK(distance_margin(settings, 10.0) == doctest::Approx(9.0));
 	CHECK(distance_margin(settings, 200.0) == doctest::Approx(70.0));
 	CHECK(distance_margin({}, 10.0) == std::numeric_limits<double>::infinity());

@@ -12,7 +12,7 @@ namespace {
 
 constexpr LodStep sharp{false, false};
 constexpr LodStep soft{false, true};
-constexpr LodStep again{true, true};
+constexpr LodStep repeated_step{true, true};
 
 LodSettings settings_of(std::vector<double> distances, double fade = 0.1, double sight_end = 0.0) {
 	LodSettings settings;
@@ -25,7 +25,8 @@ LodSettings settings_of(std::vector<double> distances, double fade = 0.1, double
 } // namespace
 
 TEST_CASE("lod runs: consecutive LODs that are drawn alike share one run") {
-	const LodRuns runs(settings_of({10.0, 20.0, 30.0, 40.0}), std::vector{soft, again, soft, again, again});
+	const LodRuns runs(settings_of({10.0, 20.0, 30.0, 40.0}),
+			std::vector{soft, repeated_step, soft, repeated_step, repeated_step});
 	CHECK(runs.count() == 2);
 	CHECK(runs.steps().size() == 5);
 	CHECK(runs.run_of(0) == 0);
@@ -72,15 +73,16 @@ TEST_CASE("lod runs: a run that cannot fade never does") {
 
 TEST_CASE("lod runs: exactly the fades that a span may need have a range") {
 	for (const double sight_end : {0.0, 50.0}) {
-		const LodRuns runs(settings_of({10.0, 20.0, 30.0}, 0.1, sight_end), std::vector{soft, soft, again, soft});
+		const LodRuns runs(
+				settings_of({10.0, 20.0, 30.0}, 0.1, sight_end), std::vector{soft, soft, repeated_step, soft});
 		for (std::size_t run = 0; run < runs.count(); ++run) {
 			const auto ranges = runs.ranges(run);
 			std::set<std::size_t> needed;
 			for (std::size_t first = 0; first < 4; ++first) {
 				for (std::size_t last = first; last < 4; ++last) {
 					for (std::size_t index = 0; index <= runs.extra_run_count({first, last, false}); ++index) {
-						for (const bool ends : {false, sight_end > 0.0}) {
-							const LodRuns::DrawnRun drawn = runs.drawn_run({first, last, ends}, index);
+						for (const bool has_end : {false, sight_end > 0.0}) {
+							const LodRuns::DrawnRun drawn = runs.drawn_run({first, last, has_end}, index);
 							if (drawn.run == run && drawn.fade) {
 								needed.insert(drawn.fade->index());
 							}

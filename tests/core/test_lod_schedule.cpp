@@ -75,17 +75,19 @@ TEST_CASE("lod schedule: a tile has one pending visit, no matter how often it is
 TEST_CASE("lod schedule: distances are measured from the nearest viewer, in three dimensions up to the height limit") {
 	LodSchedule schedule;
 	Sight sight;
-	const auto near = [&](glm::dvec3 min, glm::dvec3 max) {
+	const auto near_distance = [&](glm::dvec3 min, glm::dvec3 max) {
 		return schedule.distances_to(min, max, sight).near;
 	};
-	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == std::numeric_limits<double>::infinity());
+	CHECK(near_distance(glm::dvec3(0.0), glm::dvec3(1.0)) == std::numeric_limits<double>::infinity());
 	schedule.move(std::vector<Viewer>{{{-3.0, 0.5}, 1.0, 5.0}, {{100.0, 100.0}, 1.0, 0.5}});
-	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(5.0));
-	CHECK(near(glm::dvec3(99.0, 0.0, 99.0), glm::dvec3(101.0, 1.0, 101.0)) == 0.0);
+	CHECK(near_distance(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(5.0));
+	CHECK(near_distance(glm::dvec3(99.0, 0.0, 99.0), glm::dvec3(101.0, 1.0, 101.0)) == 0.0);
 	sight = {5.0, 0.2};
-	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(4.0)); // The fade-out begins at this distance.
+	CHECK(near_distance(glm::dvec3(0.0), glm::dvec3(1.0)) ==
+			doctest::Approx(4.0)); // The fade-out begins at this distance.
 	sight = {2.0, 0.2};
-	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(3.0)); // The distance is the horizontal distance.
+	CHECK(near_distance(glm::dvec3(0.0), glm::dvec3(1.0)) ==
+			doctest::Approx(3.0)); // The distance is the horizontal distance.
 }
 
 TEST_CASE("lod schedule: tiles in range on the map are visible from any height, and scales apply per viewer") {
@@ -94,13 +96,13 @@ TEST_CASE("lod schedule: tiles in range on the map are visible from any height, 
 		for (const double height : {0.0, 60.0, 90.0, 300.0, 1e6}) {
 			LodSchedule schedule;
 			schedule.move(std::vector<Viewer>{{{0.0, 0.0}, scale, height}});
-			for (const double across : {0.0, 5.0, 40.0, 79.0, 99.0, 250.0, 299.0}) {
-				const glm::dvec3 at(across, 0.0, 0.0);
+			for (const double offset_x : {0.0, 5.0, 40.0, 79.0, 99.0, 250.0, 299.0}) {
+				const glm::dvec3 at(offset_x, 0.0, 0.0);
 				const DistanceRange distance = schedule.distances_to(at, at, sight);
-				const bool in_view = across <= 100.0 * scale;
-				INFO("scale ", scale, ", height ", height, ", across ", across);
+				const bool in_view = offset_x <= 100.0 * scale;
+				INFO("scale ", scale, ", height ", height, ", across ", offset_x);
 				CHECK((distance.sight <= 100.0) == in_view);
-				if (across <= 100.0 * (scale - 0.2)) {
+				if (offset_x <= 100.0 * (scale - 0.2)) {
 					CHECK(distance.sight <= 80.0 + 1e-9); // The fade-out has not begun.
 				}
 			}
@@ -163,8 +165,8 @@ TEST_CASE("lod schedule: a viewer that jumps is a new viewer, and moved meters c
 	schedule.move(viewers);
 	viewers[0].position.x = 9e5;
 	CHECK_FALSE(schedule.move(viewers));
-	for (const double far : {1e20, -1e20, 2e7, 0.0}) {
-		viewers[0].position.x = far;
+	for (const double coordinate : {1e20, -1e20, 2e7, 0.0}) {
+		viewers[0].position.x = coordinate;
 		CHECK(schedule.move(viewers));
 	}
 	schedule.add(key_of(0), 0.5);

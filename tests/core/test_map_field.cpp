@@ -121,14 +121,14 @@ TEST_CASE("map field: maps can be rotated, scaled and moved") {
 	MapLayers layers;
 	layers.heights = float_heights([](glm::ivec2 post) { return 0.5F * static_cast<float>(post.x) + 2.0F; });
 	const MapField field = field_of(transform, layers);
-	for (const MapField &one : {field, field.at_offset({1000.0, 50.0, -2000.0})}) {
-		const glm::dvec3 origin = one.transform().origin;
+	for (const MapField &map_field : {field, field.at_offset({1000.0, 50.0, -2000.0})}) {
+		const glm::dvec3 origin = map_field.transform().origin;
 		const glm::dvec2 at = transform.to_world * glm::dvec2(10.25, 20.5) + glm::dvec2(origin.x, origin.z);
-		const Ground ground = one.at(at);
+		const Ground ground = map_field.at(at);
 		CHECK(ground.height == doctest::Approx(origin.y + 1.5 * (0.5 * 10.25 + 2.0)));
 		// The height rises by 0.75 m every 2 m along the columns of the map.
-		const glm::dvec2 along{std::cos(turn), -std::sin(turn)};
-		const glm::vec3 expected(glm::normalize(glm::dvec3(-0.375 * along.x, 1.0, -0.375 * along.y)));
+		const glm::dvec2 east{std::cos(turn), -std::sin(turn)};
+		const glm::vec3 expected(glm::normalize(glm::dvec3(-0.375 * east.x, 1.0, -0.375 * east.y)));
 		CHECK(glm::distance(ground.normal, expected) < 1e-6F);
 	}
 }
@@ -214,9 +214,9 @@ TEST_CASE("map field: an invalid map is rejected, and the field stays unchanged"
 	MapTransform flat;
 	flat.to_world = glm::dmat2(1.0, 0.0, 2.0, 0.0);
 	CHECK_FALSE(field.set(flat, good).ok());
-	MapTransform nowhere;
-	nowhere.origin.y = std::nan("");
-	CHECK_FALSE(field.set(nowhere, good).ok());
+	MapTransform invalid_transform;
+	invalid_transform.origin.y = std::nan("");
+	CHECK_FALSE(field.set(invalid_transform, good).ok());
 	const PixelGrid small = grid_of(4, [](glm::ivec2, std::uint8_t *) {}, 8);
 	for (const auto layer : {&MapLayers::colors, &MapLayers::indices, &MapLayers::weights}) {
 		MapLayers bad = good;
@@ -237,7 +237,7 @@ TEST_CASE("map field: an invalid map is rejected, and the field stays unchanged"
 	CHECK(field.set({}, half).code == ErrorCode::missing);
 	CHECK(field.at({5.0, 5.0}).height == post_at({5, 5}));
 	std::array<Ground, 2> two;
-	const glm::dvec2 one{0.0};
-	CHECK(field.sample({&one, 1}, two).code == ErrorCode::wrong_size);
-	CHECK(field.weigh({&one, 1}, {}, two).code == ErrorCode::wrong_size);
+	const glm::dvec2 origin{0.0};
+	CHECK(field.sample({&origin, 1}, two).code == ErrorCode::wrong_size);
+	CHECK(field.weigh({&origin, 1}, {}, two).code == ErrorCode::wrong_size);
 }

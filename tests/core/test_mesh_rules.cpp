@@ -78,9 +78,9 @@ TEST_CASE("mesh rules: without a choice or an effect, all bits are as without ru
 	const std::uint64_t single = digest(built(rich_layer(), terrain, tile_of_hills));
 	CHECK(single == plain);
 	layer.mesh_rules = {by_expression("0")};
-	LayerSettings without = layer;
-	without.mesh_rules.clear();
-	CHECK(digest(built(layer, terrain, tile_of_hills)) == digest(built(without, terrain, tile_of_hills)));
+	LayerSettings without_rules = layer;
+	without_rules.mesh_rules.clear();
+	CHECK(digest(built(layer, terrain, tile_of_hills)) == digest(built(without_rules, terrain, tile_of_hills)));
 }
 
 TEST_CASE("mesh rules: the fractions of meshes follow weights and densities") {
@@ -143,9 +143,9 @@ TEST_CASE("mesh rules: where all weights are 0, the plain weights apply") {
 	int chosen = 0, fallen_back = 0;
 	const auto positions = positions_of(layer, tile_of_hills);
 	for (const auto &[id, mesh] : meshes_of(built(layer, terrain, tile_of_hills))) {
-		const bool allowed = positions.at(id).x < 0.0;
-		CHECK(mesh == (allowed ? 0 : plain.at(id)));
-		++(allowed ? chosen : fallen_back);
+		const bool is_allowed = positions.at(id).x < 0.0;
+		CHECK(mesh == (is_allowed ? 0 : plain.at(id)));
+		++(is_allowed ? chosen : fallen_back);
 	}
 	CHECK(chosen > 100);
 	CHECK(fallen_back > 100);
@@ -155,16 +155,16 @@ TEST_CASE("mesh rules: the mesh of an instance does not depend on tiles, caches 
 	const Heightfield terrain = hills();
 	LayerSettings layer = mixed_layer();
 	layer.mesh_rules[1]->min_slope_degrees = 5.0;
-	const TileInstances whole = built(layer, terrain, tile_of_hills);
-	const Meshes meshes = meshes_of(whole);
-	check_on_threads(layer, terrain, digest(whole));
-	CHECK(digest_in_caches(layer, terrain, tile_of_hills) == digest(whole));
+	const TileInstances whole_tile = built(layer, terrain, tile_of_hills);
+	const Meshes meshes = meshes_of(whole_tile);
+	check_on_threads(layer, terrain, digest(whole_tile));
+	CHECK(digest_in_caches(layer, terrain, tile_of_hills) == digest(whole_tile));
 	Meshes from_parts;
 	for (double x = -64.0; x < 64.0; x += 42.75) {
 		for (double z = 0.0; z < 128.0; z += 31.5) {
 			const glm::dvec2 corner(x, z);
-			const Rect part{corner, glm::min(corner + glm::dvec2(42.75, 31.5), tile_of_hills.max)};
-			from_parts.merge(meshes_of(built(layer, terrain, part)));
+			const Rect slice{corner, glm::min(corner + glm::dvec2(42.75, 31.5), tile_of_hills.max)};
+			from_parts.merge(meshes_of(built(layer, terrain, slice)));
 		}
 	}
 	CHECK(from_parts == meshes);
@@ -206,9 +206,9 @@ TEST_CASE("mesh rules: all kinds of rules choose, and they use the layer's water
 	kinds[1].max_slope_degrees = 25.0;
 	kinds[2].clumping = {20.0, 0.5, 0.0};
 	auto mask = std::make_shared<PaintedMask>();
-	Rect changed;
+	Rect changed_rect;
 	REQUIRE(mask->reset(1.0, 1.0).ok());
-	REQUIRE(mask->paint({Brush::Mode::erase, {0.0, 64.0}, 40.0, 1.0, 1.0}, changed).ok());
+	REQUIRE(mask->paint({Brush::Mode::erase, {0.0, 64.0}, 40.0, 1.0, 1.0}, changed_rect).ok());
 	kinds[3].mask = mask;
 	kinds[4].min_water_depth = 0.0;
 	kinds[5].density = 0.0;
@@ -223,16 +223,16 @@ TEST_CASE("mesh rules: all kinds of rules choose, and they use the layer's water
 		PreparedRules rules;
 		REQUIRE(rules.set(with_water, layer.set.seed).ok());
 		const auto meshes = meshes_of(built(layer, terrain, tile_of_hills));
-		int refused = 0;
+		int refused_count = 0;
 		for (const auto &[id, position] : positions_of(layer, tile_of_hills)) {
 			double density = 0.0;
 			std::vector<float> scratch;
 			REQUIRE(rules.position_densities({{&position, 1}}, {&density, 1}, scratch).ok());
 			density *= rules.ground_density(terrain.at(position), position);
 			CHECK(meshes.at(id) == (density > 0.0 ? 0 : 1));
-			refused += density > 0.0 ? 0 : 1;
+			refused_count += density > 0.0 ? 0 : 1;
 		}
-		CHECK(refused > 20);
+		CHECK(refused_count > 20);
 	}
 }
 

@@ -36,16 +36,16 @@ ModelSize measured(const std::vector<Triangle> &triangles) {
 /// Appends a closed frustum with eight sides.
 void add_frustum(
 		std::vector<Triangle> &r_triangles, const glm::dvec3 &foot, double radius, double top_radius, double height) {
-	const auto at = [&](int number, bool top) {
-		const double angle = 0.78539816339744831 * number;
+	const auto at = [&](int corner, bool top) {
+		const double angle = 0.78539816339744831 * corner;
 		const double wide = top ? top_radius : radius;
 		return foot + glm::dvec3(wide * std::cos(angle), top ? height : 0.0, wide * std::sin(angle));
 	};
-	for (int number = 0; number < 8; ++number) {
-		r_triangles.push_back({at(number, false), at(number, true), at(number + 1, false)});
-		r_triangles.push_back({at(number + 1, false), at(number, true), at(number + 1, true)});
-		r_triangles.push_back({foot, at(number, false), at(number + 1, false)});
-		r_triangles.push_back({foot + glm::dvec3(0, height, 0), at(number + 1, true), at(number, true)});
+	for (int corner = 0; corner < 8; ++corner) {
+		r_triangles.push_back({at(corner, false), at(corner, true), at(corner + 1, false)});
+		r_triangles.push_back({at(corner + 1, false), at(corner, true), at(corner + 1, true)});
+		r_triangles.push_back({foot, at(corner, false), at(corner + 1, false)});
+		r_triangles.push_back({foot + glm::dvec3(0, height, 0), at(corner + 1, true), at(corner, true)});
 	}
 }
 
@@ -54,10 +54,10 @@ std::vector<Triangle> cards(double width, double height) {
 	std::vector<Triangle> result;
 	for (const glm::dvec3 side :
 			{glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1), glm::dvec3(0.7, 0, 0.7), glm::dvec3(0.7, 0, -0.7)}) {
-		const glm::dvec3 reach = side * (0.5 * width);
+		const glm::dvec3 half_extent = side * (0.5 * width);
 		const glm::dvec3 up(0, height, 0);
-		result.push_back({-reach, reach, reach + up});
-		result.push_back({-reach, reach + up, up - reach});
+		result.push_back({-half_extent, half_extent, half_extent + up});
+		result.push_back({-half_extent, half_extent + up, up - half_extent});
 	}
 	return result;
 }
@@ -107,7 +107,7 @@ TEST_CASE("model size: size and enclosed volume determine the kind of a model") 
 
 TEST_CASE("model size: a name determines the kind of a model") {
 	using Named = std::pair<const char *, std::optional<ModelKind>>;
-	for (const Named &named : {Named("Pine_2b", ModelKind::tree), Named("BirchTree_Autumn_3", ModelKind::tree),
+	for (const Named &example : {Named("Pine_2b", ModelKind::tree), Named("BirchTree_Autumn_3", ModelKind::tree),
 				 Named("DEAD TREES 04", ModelKind::tree), Named("Bush_1_A_Color1", ModelKind::shrub),
 				 Named("flower-bushes", ModelKind::shrub), Named("CactusFlowers", ModelKind::grass),
 				 Named("moss.001", ModelKind::grass), Named("Grasses", ModelKind::grass),
@@ -115,7 +115,7 @@ TEST_CASE("model size: a name determines the kind of a model") {
 				 Named("tree_stump", ModelKind::rock), Named("WoodLog", ModelKind::rock),
 				 Named("Fountain", std::nullopt), Named("street", std::nullopt), Named("catalogs", std::nullopt),
 				 Named("b\xC3\xA4ume", std::nullopt), Named("42", std::nullopt), Named("", std::nullopt)}) {
-		CHECK_MESSAGE(kind_named(named.first) == named.second, named.first);
+		CHECK_MESSAGE(kind_named(example.first) == example.second, example.first);
 	}
 }
 

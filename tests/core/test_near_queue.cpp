@@ -27,9 +27,9 @@ TEST_CASE("near queue: instances within the distance enter, the nearest first, a
 	follower.check(center, flat.world);
 	double last = 0.0;
 	for (PlacedInstance instance; follower.queue.next_entering(instance);) {
-		const double away = glm::distance(instance.position, center);
-		CHECK(away >= last);
-		last = away;
+		const double center_distance = glm::distance(instance.position, center);
+		CHECK(center_distance >= last);
+		last = center_distance;
 		follower.held.insert(instance.id);
 	}
 	CHECK(follower.held == flat.within(center, NearQueue::enter_factor * distance));
@@ -40,10 +40,10 @@ TEST_CASE("near queue: instances within the distance enter, the nearest first, a
 		at.x += 1.0;
 		follower.check(at, flat.world);
 		follower.follow();
-		const std::set<std::uint64_t> near = flat.within(at, distance);
-		const std::set<std::uint64_t> reach = flat.within(at, NearQueue::leave_factor * distance);
-		CHECK(std::includes(follower.held.begin(), follower.held.end(), near.begin(), near.end()));
-		CHECK(std::includes(reach.begin(), reach.end(), follower.held.begin(), follower.held.end()));
+		const std::set<std::uint64_t> near_ids = flat.within(at, distance);
+		const std::set<std::uint64_t> reachable_ids = flat.within(at, NearQueue::leave_factor * distance);
+		CHECK(std::includes(follower.held.begin(), follower.held.end(), near_ids.begin(), near_ids.end()));
+		CHECK(std::includes(reachable_ids.begin(), reachable_ids.end(), follower.held.begin(), follower.held.end()));
 	}
 	follower.check(at + glm::dvec3(0.3, 0.0, 0.0), flat.world);
 	CHECK(follower.follow() == 0);
@@ -65,25 +65,25 @@ TEST_CASE("near queue: a removed instance leaves, and one that is placed differe
 	flat.world.touch();
 	CHECK_FALSE(follower.queue.settled());
 	follower.check({}, flat.world);
-	HeldRelease gone;
-	REQUIRE(follower.queue.next_removed(gone));
-	CHECK(gone.id == felled);
+	HeldRelease release;
+	REQUIRE(follower.queue.next_removed(release));
+	CHECK(release.id == felled);
 	follower.held.erase(felled);
-	CHECK_FALSE(follower.queue.next_removed(gone));
+	CHECK_FALSE(follower.queue.next_removed(release));
 	CHECK(follower.follow() == 0);
 
 	flat.load(2, 1.5);
 	follower.check({}, flat.world);
-	std::set<std::uint64_t> changed;
+	std::set<std::uint64_t> changed_ids;
 	for (PlacedInstance instance; follower.queue.next_changed(instance);) {
 		CHECK(instance.position.y == doctest::Approx(1.5));
-		CHECK(changed.insert(instance.id).second);
+		CHECK(changed_ids.insert(instance.id).second);
 	}
-	CHECK(changed.size() > 100);
-	CHECK(std::includes(follower.held.begin(), follower.held.end(), changed.begin(), changed.end()));
+	CHECK(changed_ids.size() > 100);
+	CHECK(std::includes(follower.held.begin(), follower.held.end(), changed_ids.begin(), changed_ids.end()));
 	follower.follow();
-	PlacedInstance again;
-	CHECK_FALSE(follower.queue.next_changed(again));
+	PlacedInstance repeated;
+	CHECK_FALSE(follower.queue.next_changed(repeated));
 	CHECK(follower.queue.settled());
 }
 
@@ -94,50 +94,50 @@ TEST_CASE("near queue: if very many instances are removed, the nearest leave fir
 	flat.load(3);
 	NearQueue queue;
 	const glm::dvec3 center{3.0, 0.0, -2.0};
-	std::map<std::uint64_t, glm::dvec3> held;
+	std::map<std::uint64_t, glm::dvec3> held_positions;
 	queue.set_distances(std::array{2.0 * distance});
 	const auto check = [&] {
 		queue.find_changes(std::array{center}, flat.world);
 	};
 	for (check(); !queue.settled(); check()) {
 		for (PlacedInstance instance; queue.next_entering(instance);) {
-			held[instance.id] = instance.position;
+			held_positions[instance.id] = instance.position;
 		}
 	}
-	CHECK(held.size() >
+	CHECK(held_positions.size() >
 			NearQueue::max_checked_instances); // Otherwise, a single check would find all removed instances.
 	// The order is exact within a frame. The next frame checks cells that are farther away.
 	const auto check_nearest_first = [&](std::size_t expected) {
-		std::size_t gone = 0;
+		std::size_t released_count = 0;
 		double nearest_of_last = 0.0;
 		for (int frame = 0; frame < NearQueue::max_waiting_frames && !queue.settled(); ++frame) {
 			check();
 			double last = 0.0;
-			for (HeldRelease leaving; queue.next_removed(leaving); ++gone) {
-				REQUIRE(held.contains(leaving.id));
-				CHECK(leaving.position == held[leaving.id]);
-				const double away = glm::distance(leaving.position, center);
-				nearest_of_last = last == 0.0 ? away : nearest_of_last;
-				CHECK(away >= last);
-				last = away;
-				held.erase(leaving.id);
+			for (HeldRelease leaving; queue.next_removed(leaving); ++released_count) {
+				REQUIRE(held_positions.contains(leaving.id));
+				CHECK(leaving.position == held_positions[leaving.id]);
+				const double center_distance = glm::distance(leaving.position, center);
+				nearest_of_last = last == 0.0 ? center_distance : nearest_of_last;
+				CHECK(center_distance >= last);
+				last = center_distance;
+				held_positions.erase(leaving.id);
 			}
 		}
 		CHECK(nearest_of_last > 0.5 * distance);
-		CHECK(gone == expected);
+		CHECK(released_count == expected);
 	};
-	std::size_t felled = 0;
-	for (const auto &[id, position] : std::map(held)) {
+	std::size_t felled_id = 0;
+	for (const auto &[id, position] : std::map(held_positions)) {
 		if (id % 2 == 0 && flat.state.remove(id)) {
-			++felled;
+			++felled_id;
 		}
 	}
-	CHECK(felled > 100);
+	CHECK(felled_id > 100);
 	flat.world.touch();
-	check_nearest_first(felled);
+	check_nearest_first(felled_id);
 	queue.set_distances(std::array{0.0}); // A distance of 0 disables the layer's bodies.
-	check_nearest_first(held.size());
-	CHECK(held.empty());
+	check_nearest_first(held_positions.size());
+	CHECK(held_positions.empty());
 	CHECK(queue.settled());
 }
 
@@ -193,13 +193,13 @@ TEST_CASE("near queue: very many centers take turns to be checked, although the 
 	}
 	CHECK(near.size() > 5 * NearQueue::max_checked_instances);
 	int frames = 0;
-	int most = 0;
+	int max_count = 0;
 	const auto follow = [&](bool restless) {
 		if (restless) {
 			flat.world.touch();
 		}
 		follower.queue.find_changes(centers, flat.world);
-		most = std::max(most, follower.follow());
+		max_count = std::max(max_count, follower.follow());
 		++frames;
 	};
 	while (follower.held.size() < near.size() && frames < 100) {
@@ -207,7 +207,7 @@ TEST_CASE("near queue: very many centers take turns to be checked, although the 
 	}
 	CHECK(follower.held == near);
 	CHECK(frames > 5);
-	CHECK(most < static_cast<int>(NearQueue::max_checked_instances + NearQueue::max_checked_instances / 2));
+	CHECK(max_count < static_cast<int>(NearQueue::max_checked_instances + NearQueue::max_checked_instances / 2));
 	while (!follower.queue.settled() && frames < 200) {
 		follow(false);
 	}
@@ -218,8 +218,8 @@ TEST_CASE("near queue: very many centers take turns to be checked, although the 
 	for (int step = 0; step < 20; ++step) {
 		centers[8].x += 1.0;
 		follow(false);
-		const std::set<std::uint64_t> here = flat.within(centers[8], distance);
-		CHECK(std::includes(follower.held.begin(), follower.held.end(), here.begin(), here.end()));
+		const std::set<std::uint64_t> center_ids = flat.within(centers[8], distance);
+		CHECK(std::includes(follower.held.begin(), follower.held.end(), center_ids.begin(), center_ids.end()));
 	}
 	centers.clear();
 	for (int frame = 0; frame < 100; ++frame) {
@@ -240,26 +240,26 @@ TEST_CASE("near queue: a new distance keeps the near instances") {
 		const std::set<std::uint64_t> before = follower.held;
 		follower.queue.set_distances(std::array{other});
 		CHECK_FALSE(follower.queue.settled());
-		std::set<std::uint64_t> left;
+		std::set<std::uint64_t> remaining;
 		std::size_t entered = 0;
 		for (int frame = 0; frame < 10; ++frame) {
 			follower.check(center, flat.world);
 			for (HeldRelease leaving; follower.queue.next_leaving(leaving);) {
-				CHECK(left.insert(leaving.id).second);
+				CHECK(remaining.insert(leaving.id).second);
 			}
 			for (PlacedInstance instance; follower.queue.next_entering(instance); ++entered) {
 				CHECK_FALSE(before.contains(instance.id));
 				follower.held.insert(instance.id);
 			}
 		}
-		for (const std::uint64_t id : left) {
+		for (const std::uint64_t id : remaining) {
 			CHECK(follower.held.erase(id) == 1);
 		}
 		const std::set<std::uint64_t> enter = flat.within(center, NearQueue::enter_factor * other);
-		const std::set<std::uint64_t> reach = flat.within(center, NearQueue::leave_factor * other);
+		const std::set<std::uint64_t> reachable_ids = flat.within(center, NearQueue::leave_factor * other);
 		CHECK(std::includes(follower.held.begin(), follower.held.end(), enter.begin(), enter.end()));
-		CHECK(std::includes(reach.begin(), reach.end(), follower.held.begin(), follower.held.end()));
-		CHECK((left.empty() || entered == 0));
+		CHECK(std::includes(reachable_ids.begin(), reachable_ids.end(), follower.held.begin(), follower.held.end()));
+		CHECK((remaining.empty() || entered == 0));
 		CHECK(follower.queue.settled());
 	}
 }
@@ -295,9 +295,9 @@ TEST_CASE("near queue: nothing is near centers that are not finite") {
 	FlatWorld flat;
 	flat.load(1);
 	Follower follower;
-	for (const double wrong : {std::nan(""), std::numeric_limits<double>::infinity(), -1e300}) {
-		follower.check({wrong, 0.0, 1.0}, flat.world);
-		follower.check({1.0, 0.0, wrong}, flat.world);
+	for (const double invalid : {std::nan(""), std::numeric_limits<double>::infinity(), -1e300}) {
+		follower.check({invalid, 0.0, 1.0}, flat.world);
+		follower.check({1.0, 0.0, invalid}, flat.world);
 		CHECK(follower.follow() == 0);
 	}
 	follower.check({}, flat.world);

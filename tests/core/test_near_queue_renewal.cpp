@@ -21,39 +21,39 @@ TEST_CASE("near queue: each due instance is returned once, the nearest first, wh
 	follower.check(center, flat.world);
 	follower.follow();
 	const auto take_due = [&](std::size_t max_count, double &r_last) {
-		std::set<std::uint64_t> due;
+		std::set<std::uint64_t> due_ids;
 		PlacedInstance instance;
-		while (due.size() < max_count && follower.queue.next_due(instance)) {
-			const double away = glm::distance(instance.position, center);
-			CHECK(away >= r_last - 0.9); // Between the calls, the center moves by 0.4 m.
-			r_last = away;
-			CHECK(due.insert(instance.id).second);
+		while (due_ids.size() < max_count && follower.queue.next_due(instance)) {
+			const double center_distance = glm::distance(instance.position, center);
+			CHECK(center_distance >= r_last - 0.9); // Between the calls, the center moves by 0.4 m.
+			r_last = center_distance;
+			CHECK(due_ids.insert(instance.id).second);
 			CHECK(follower.held.contains(instance.id));
 		}
-		return due;
+		return due_ids;
 	};
 	double last = 0.0;
 	CHECK(take_due(1000, last).empty());
 	CHECK(follower.queue.settled());
 	follower.queue.renew(0);
 	CHECK_FALSE(follower.queue.settled());
-	std::set<std::uint64_t> due = take_due(60, last);
-	CHECK(due.size() == 60);
+	std::set<std::uint64_t> due_ids = take_due(60, last);
+	CHECK(due_ids.size() == 60);
 	follower.check(center + glm::dvec3(0.4, 0.0, 0.0), flat.world);
 	follower.follow();
-	due.merge(take_due(10000, last));
-	CHECK(due == follower.held);
+	due_ids.merge(take_due(10000, last));
+	CHECK(due_ids == follower.held);
 	CHECK(follower.queue.settled());
 
 	// A new distance changes the cells. All held instances are returned again, so some of them are
 	// returned twice.
 	follower.queue.renew(0);
 	last = 0.0;
-	due = take_due(60, last);
+	due_ids = take_due(60, last);
 	follower.queue.set_distances(std::array{60.0});
 	last = 0.0;
-	const std::set<std::uint64_t> rest = take_due(10000, last);
-	CHECK(rest == follower.held);
+	const std::set<std::uint64_t> remaining = take_due(10000, last);
+	CHECK(remaining == follower.held);
 
 	// Instances that have left since then are no longer due.
 	follower.check(center, flat.world);
@@ -72,20 +72,20 @@ TEST_CASE("near queue: finds the nearest held instances around positions") {
 	const std::array<glm::dvec3, 2> positions{glm::dvec3{4.0, 0.0, 4.0}, glm::dvec3{-15.0, 0.0, 0.0}};
 	std::set<std::uint64_t> expected = flat.within(positions[0], 6.0);
 	expected.merge(flat.within(positions[1], 6.0));
-	const std::vector<NearHeld> found = follower.queue.held_within(positions, 6.0, 1000);
+	const std::vector<NearHeld> results = follower.queue.held_within(positions, 6.0, 1000);
 	std::set<std::uint64_t> ids;
 	double last = 0.0;
-	for (const NearHeld &held : found) {
-		CHECK(held.layer == 0);
-		CHECK(held.distance_squared >= last);
-		last = held.distance_squared;
-		ids.insert(held.id);
+	for (const NearHeld &instance : results) {
+		CHECK(instance.layer == 0);
+		CHECK(instance.distance_squared >= last);
+		last = instance.distance_squared;
+		ids.insert(instance.id);
 	}
 	CHECK(last <= 6.0 * 6.0);
 	CHECK(ids == expected);
-	CHECK(found.size() == expected.size());
+	CHECK(results.size() == expected.size());
 	const std::vector<NearHeld> first = follower.queue.held_within(positions, 6.0, 10);
 	REQUIRE(first.size() == 10);
-	CHECK(first[9].id == found[9].id);
+	CHECK(first[9].id == results[9].id);
 	CHECK(follower.queue.held_within({}, 1e6, 10).empty());
 }

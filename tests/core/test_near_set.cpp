@@ -186,7 +186,7 @@ TEST_CASE("near set: moving back and forth within the hysteresis has no effect")
 	std::vector<glm::dvec3> centers{{10.0, 0.0, 0.0}};
 	const NearRange range{4.0, 5.0};
 	std::map<std::uint64_t, int> entered;
-	std::map<std::uint64_t, int> left;
+	std::map<std::uint64_t, int> leave_counts;
 	std::mt19937_64 random(5);
 	// The range is shorter than the difference between the leave and enter distances.
 	std::uniform_real_distribution<double> along(-0.499, 0.499);
@@ -197,13 +197,13 @@ TEST_CASE("near set: moving back and forth within the hysteresis has no effect")
 			++entered[instance.id];
 		}
 		for (const std::uint64_t id : ids_of(changes.leave)) {
-			++left[id];
+			++leave_counts[id];
 		}
 		follow(set, changes);
 	}
 	CHECK(entered.size() > 150);
 	CHECK(std::all_of(entered.begin(), entered.end(), [](const auto &entry) { return entry.second == 1; }));
-	CHECK(left.empty());
+	CHECK(leave_counts.empty());
 }
 
 TEST_CASE("near set: several centers work, and an instance may be passed several times") {
@@ -211,8 +211,8 @@ TEST_CASE("near set: several centers work, and an instance may be passed several
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}, {100.0, 0.0, 0.0}, {100.5, 0.0, 0.0}};
 	std::vector<PlacedInstance> present = row(101);
-	const std::vector<PlacedInstance> once = present;
-	present.insert(present.end(), once.begin(), once.end());
+	const std::vector<PlacedInstance> first_results = present;
+	present.insert(present.end(), first_results.begin(), first_results.end());
 	set.find_changes(centers, {2.0, 3.0}, present, changes);
 	CHECK(ids_of(changes.enter) == Ids{100, 101, 1, 99, 2, 98});
 	follow(set, changes);
@@ -254,7 +254,7 @@ TEST_CASE("near set: random walks, removals and moves match brute force") {
 				instance_at(id * 0x9e3779b97f4a7c15ULL, {anywhere(random), 0.1 * step(random), anywhere(random)}));
 	}
 	std::vector<glm::dvec3> centers(3);
-	std::map<std::uint64_t, glm::dvec3> held; // The positions of held instances by ID.
+	std::map<std::uint64_t, glm::dvec3> held_positions; // The positions of held instances by ID.
 	const NearRange range{12.0, 15.0};
 	for (int frame = 0; frame < 400; ++frame) {
 		for (glm::dvec3 &center : centers) {
@@ -267,10 +267,10 @@ TEST_CASE("near set: random walks, removals and moves match brute force") {
 				instance.position.x = anywhere(random);
 			}
 		}
-		std::vector<PlacedInstance> here = present;
-		std::erase_if(here, [&](const PlacedInstance &) { return percent(random) < 2; });
-		std::shuffle(here.begin(), here.end(), random);
-		const auto away = [&centers](glm::dvec3 position) {
+		std::vector<PlacedInstance> nearby = present;
+		std::erase_if(nearby, [&](const PlacedInstance &) { return percent(random) < 2; });
+		std::shuffle(nearby.begin(), nearby.end(), random);
+		const auto distance_to_centers = [&centers](glm::dvec3 position) {
 			double nearest = 1e9;
 			for (const glm::dvec3 &center : centers) {
 				nearest = std::min(nearest, glm::distance(center, position));
@@ -279,53 +279,55 @@ TEST_CASE("near set: random walks, removals and moves match brute force") {
 		};
 
 		std::set<std::uint64_t> enter;
-		std::set<std::uint64_t> changed;
+		std::set<std::uint64_t> changed_ids;
 		std::set<std::uint64_t> leave;
-		for (const auto &[id, position] : held) {
+		for (const auto &[id, position] : held_positions) {
 			leave.insert(id);
 		}
-		for (const PlacedInstance &instance : here) {
-			const auto was = held.find(instance.id);
-			if (was == held.end() || was->second != instance.position) {
-				if (was == held.end() && away(instance.position) <= range.enter) {
+		for (const PlacedInstance &instance : nearby) {
+			const auto previous = held_positions.find(instance.id);
+			if (previous == held_positions.end() || previous->second != instance.position) {
+				if (previous == held_positions.end() && distance_to_centers(instance.position) <= range.enter) {
 					enter.insert(instance.id);
-				} else if (was != held.end() && away(instance.position) <= range.leave) {
-					changed.insert(instance.id);
+				} else if (previous != held_positions.end() && distance_to_centers(instance.position) <= range.leave) {
+					changed_ids.insert(instance.id);
 					leave.erase(instance.id);
 				}
-			} else if (away(instance.position) <= range.leave) {
+			} else if (distance_to_centers(instance.position) <= range.leave) {
 				leave.erase(instance.id);
 			}
 		}
-		set.find_changes(centers, range, here, changes);
+		set.find_changes(centers, range, nearby, changes);
 		const Ids entering = ids_of(changes.enter);
 		CHECK(std::set<std::uint64_t>(entering.begin(), entering.end()) == enter);
 		CHECK(entering.size() == enter.size());
 		const Ids changing = ids_of(changes.changed);
-		CHECK(std::set<std::uint64_t>(changing.begin(), changing.end()) == changed);
-		CHECK(changing.size() == changed.size());
+		CHECK(std::set<std::uint64_t>(changing.begin(), changing.end()) == changed_ids);
+		CHECK(changing.size() == changed_ids.size());
 		const Ids leaving = ids_of(changes.leave);
 		CHECK(std::set<std::uint64_t>(leaving.begin(), leaving.end()) == leave);
 		CHECK(leaving.size() == leave.size());
-		CHECK(std::is_sorted(changes.enter.begin(), changes.enter.end(),
-				[&away](const auto &a, const auto &b) { return away(a.position) < away(b.position); }));
+		CHECK(std::is_sorted(
+				changes.enter.begin(), changes.enter.end(), [&distance_to_centers](const auto &a, const auto &b) {
+					return distance_to_centers(a.position) < distance_to_centers(b.position);
+				}));
 
 		// Sometimes the caller has no time for all entering instances.
 		for (const std::uint64_t id : leaving) {
 			set.release(id);
-			held.erase(id);
+			held_positions.erase(id);
 		}
 		for (const PlacedInstance &instance : changes.changed) {
 			REQUIRE(set.retain(instance));
-			held[instance.id] = instance.position;
+			held_positions[instance.id] = instance.position;
 		}
-		const std::size_t done =
+		const std::size_t checked_count =
 				changes.enter.size() - changes.enter.size() * static_cast<std::size_t>(percent(random)) / 200;
-		for (std::size_t i = 0; i < done; ++i) {
+		for (std::size_t i = 0; i < checked_count; ++i) {
 			REQUIRE(set.retain(changes.enter[i]));
-			held[changes.enter[i].id] = changes.enter[i].position;
+			held_positions[changes.enter[i].id] = changes.enter[i].position;
 		}
-		CHECK(set.size() == held.size());
+		CHECK(set.size() == held_positions.size());
 	}
 }
 

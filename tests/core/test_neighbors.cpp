@@ -27,9 +27,9 @@ namespace {
 
 constexpr double everywhere = std::numeric_limits<double>::infinity();
 
-std::shared_ptr<LayerSettings> layer_of(std::uint16_t number, double radius) {
+std::shared_ptr<LayerSettings> layer_of(std::uint16_t index, double radius) {
 	auto layer = std::make_shared<LayerSettings>();
-	layer->set = {.seed = 2007, .radius = radius, .levels = 1, .layer = number};
+	layer->set = {.seed = 2007, .radius = radius, .levels = 1, .layer = index};
 	return layer;
 }
 
@@ -45,17 +45,17 @@ std::map<std::uint64_t, glm::dvec2> instance_positions(
 	for (const SamplePoint &point : points) {
 		result.emplace(point.id, point.position);
 	}
-	std::set<std::uint64_t> standing;
+	std::set<std::uint64_t> standing_ids;
 	for (const MeshInstances &mesh : tile.meshes) {
-		standing.insert(mesh.ids.begin(), mesh.ids.end());
+		standing_ids.insert(mesh.ids.begin(), mesh.ids.end());
 	}
-	std::erase_if(result, [&standing](const auto &entry) { return !standing.contains(entry.first); });
+	std::erase_if(result, [&standing_ids](const auto &entry) { return !standing_ids.contains(entry.first); });
 	return result;
 }
 
-double nearest(glm::dvec2 position, const std::map<std::uint64_t, glm::dvec2> &others) {
+double nearest(glm::dvec2 position, const std::map<std::uint64_t, glm::dvec2> &positions) {
 	double nearest = everywhere;
-	for (const auto &[id, other] : others) {
+	for (const auto &[id, other] : positions) {
 		nearest = std::min(nearest, glm::distance(position, other));
 	}
 	return nearest;
@@ -76,15 +76,15 @@ TEST_CASE("neighbors: spacing removes only instances that are too near, also acr
 	for (const Rect &window : windows) {
 		const auto trees = instance_positions(*oaks, terrain, grown(window, 10.0));
 		const auto all = instance_positions(*ferns, terrain, window);
-		const auto some = instance_positions(spaced, terrain, window);
+		const auto remaining = instance_positions(spaced, terrain, window);
 		std::size_t expected = 0;
 		for (const auto &[id, position] : all) {
 			const bool remains = nearest(position, trees) >= 2.5;
-			CHECK(some.contains(id) == remains);
+			CHECK(remaining.contains(id) == remains);
 			expected += remains ? 1 : 0;
 		}
-		CHECK(some.size() == expected);
-		CHECK((all.size() < 20 || some.size() < all.size()));
+		CHECK(remaining.size() == expected);
+		CHECK((all.size() < 20 || remaining.size() < all.size()));
 	}
 }
 
@@ -111,7 +111,7 @@ TEST_CASE("neighbors: proximity is a density over the distance to the nearest in
 	LayerSettings ferns = *layer_of(1, 0.5);
 	const auto all = instance_positions(ferns, terrain, tile_of_hills);
 	ferns.neighbors = {{oaks, 6.0, analysis::curve_table(0.0, 6.0, {1.0f, 0.5f, 0.0f})}};
-	const auto some = instance_positions(ferns, terrain, tile_of_hills);
+	const auto remaining = instance_positions(ferns, terrain, tile_of_hills);
 	const auto trees = instance_positions(*oaks, terrain, grown(tile_of_hills, 20.0));
 	std::vector<double> total(8, 0.0);
 	std::vector<double> left(8, 0.0);
@@ -119,7 +119,7 @@ TEST_CASE("neighbors: proximity is a density over the distance to the nearest in
 		const double distance = nearest(position, trees);
 		const auto ring = static_cast<std::size_t>(std::min(distance, 7.0));
 		total[ring] += 1.0;
-		left[ring] += some.contains(id) ? 1.0 : 0.0;
+		left[ring] += remaining.contains(id) ? 1.0 : 0.0;
 	}
 	for (std::size_t ring = 0; ring < 6; ++ring) {
 		CAPTURE(ring);
@@ -136,14 +136,14 @@ TEST_CASE("neighbors: beyond the distance, the curve's last density applies") {
 	LayerSettings grass = *layer_of(1, 1.0);
 	const auto all = instance_positions(grass, terrain, tile_of_hills);
 	grass.neighbors = {{oaks, 3.0, analysis::curve_table(0.0, 3.0, {0.0f, 1.0f})}};
-	const auto some = instance_positions(grass, terrain, tile_of_hills);
+	const auto remaining = instance_positions(grass, terrain, tile_of_hills);
 	const auto trees = instance_positions(*oaks, terrain, grown(tile_of_hills, 20.0));
 	for (const auto &[id, position] : all) {
 		if (nearest(position, trees) >= 3.0) {
-			CHECK(some.contains(id));
+			CHECK(remaining.contains(id));
 		}
 	}
-	CHECK(some.size() < all.size());
+	CHECK(remaining.size() < all.size());
 	// The same is true if the other layer is empty.
 	oaks->rules.density = 0.0;
 	CHECK(instance_positions(grass, terrain, tile_of_hills).size() == all.size());
@@ -162,21 +162,21 @@ TEST_CASE("neighbors: chains are consistent across tiles of any size, in any ord
 	ferns.neighbors = {{shrubs, 5.0, analysis::curve_table(0.0, 5.0, {1.0f, 0.25f})}, {stones, 1.5, nullptr},
 			{oaks, 1.0, nullptr}};
 	CHECK(reach(ferns) == 5.0 + 4.0);
-	const auto whole = instance_positions(ferns, terrain, tile_of_hills);
-	CHECK(whole.size() > 200);
+	const auto whole_tile = instance_positions(ferns, terrain, tile_of_hills);
+	CHECK(whole_tile.size() > 200);
 	for (const double side : {64.0, 17.0, 8.5}) {
-		std::map<std::uint64_t, glm::dvec2> together;
+		std::map<std::uint64_t, glm::dvec2> joined_parts;
 		for (double y = tile_of_hills.max.y; y > tile_of_hills.min.y; y -= side) {
 			for (double x = tile_of_hills.min.x; x < tile_of_hills.max.x; x += 2.0 * side) {
-				const Rect part{{x, std::max(y - side, tile_of_hills.min.y)},
+				const Rect slice{{x, std::max(y - side, tile_of_hills.min.y)},
 						{std::min(x + 2.0 * side, tile_of_hills.max.x), y}};
-				together.merge(instance_positions(ferns, terrain, part));
+				joined_parts.merge(instance_positions(ferns, terrain, slice));
 			}
 		}
-		CHECK(together == whole);
+		CHECK(joined_parts == whole_tile);
 	}
 	const auto standing_stones = instance_positions(*stones, terrain, grown(tile_of_hills, 20.0));
-	for (const auto &[id, position] : whole) {
+	for (const auto &[id, position] : whole_tile) {
 		CHECK(nearest(position, standing_stones) >= 1.5);
 	}
 }
@@ -192,12 +192,12 @@ TEST_CASE("neighbors: building in two steps produces the same tile as in one") {
 	REQUIRE(builder.find_points(ferns, tile_of_hills).ok());
 	std::vector<Ground> ground(builder.positions().size());
 	REQUIRE(terrain.sample(builder.positions(), ground).ok());
-	std::size_t covered = 0;
+	std::size_t covered_count = 0;
 	for (const GroundQuery &query : builder.queries()) {
-		CHECK(query.first == covered);
-		covered += query.count;
+		CHECK(query.first == covered_count);
+		covered_count += query.count;
 	}
-	CHECK(covered == builder.positions().size());
+	CHECK(covered_count == builder.positions().size());
 	TileInstances tile;
 	REQUIRE(builder.place(ground, tile).ok());
 	CHECK(digest(tile) == digest(built(ferns, terrain, tile_of_hills)));
@@ -283,11 +283,11 @@ TEST_CASE("neighbors: the error for invalid input names the property") {
 	// Many layers in a shallow graph: 5 neighbors with 16 neighbors each.
 	layer.neighbors.clear();
 	for (std::uint16_t i = 0; i < 5; ++i) {
-		const auto between = layer_of(i, 1.0);
+		const auto middle = layer_of(i, 1.0);
 		for (std::uint16_t j = 0; j < max_neighbors; ++j) {
-			between->neighbors.push_back({layer_of(j, 1.0), 1.0, nullptr});
+			middle->neighbors.push_back({layer_of(j, 1.0), 1.0, nullptr});
 		}
-		layer.neighbors.push_back({between, 1.0, nullptr});
+		layer.neighbors.push_back({middle, 1.0, nullptr});
 	}
 	check_refused(validate(layer), ErrorCode::out_of_range, "number of layers that this one depends on",
 			max_graph_layers + 1.0);

@@ -64,10 +64,10 @@ void check_against_oracle(const PointSet &set, const CellRect &cells, std::span<
 	CHECK(points.size() == static_cast<std::size_t>(expected));
 	for (const SamplePoint &point : points) {
 		const glm::ivec2 at = unpack(point.id).cell;
-		const auto found = truth.find({at.x, at.y});
-		REQUIRE(found != truth.end());
-		CHECK(found->second.lattice == lattice_position(set, point));
-		CHECK(found->second.rank == point.rank);
+		const auto match = truth.find({at.x, at.y});
+		REQUIRE(match != truth.end());
+		CHECK(match->second.lattice == lattice_position(set, point));
+		CHECK(match->second.rank == point.rank);
 		CHECK_FALSE(obstructed(point.position, obstacles));
 	}
 }
@@ -85,18 +85,18 @@ TEST_CASE("obstacles: the points of a filled set are those of a strict-time heap
 					.levels = levels,
 					.layer = static_cast<std::uint16_t>(random())};
 			const double cell = lattice_unit(set) * cell_size;
-			const std::int32_t reach = domain < 4 ? 40 : cell_limit - 400;
+			const std::int32_t max_cell = domain < 4 ? 40 : cell_limit - 400;
 			const auto within = [&](std::int32_t bound) {
 				return static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(2 * bound)) - bound;
 			};
-			const glm::ivec2 corner(within(reach), within(reach));
+			const glm::ivec2 corner(within(max_cell), within(max_cell));
 			const CellRect cells{corner, corner + 20};
 			// From obstacles that are smaller than a cell to a few that cover many cells.
 			const double size = std::array{0.05, 0.7, 1.5, 8.0}[static_cast<std::size_t>(domain) % 4] * set.radius;
 			const std::size_t count =
 					std::array<std::size_t, 4>{4000, 900, 300, 30}[static_cast<std::size_t>(domain) % 4];
-			const CellRect around = cells.grown(oracle::margin);
-			const Rect area{glm::dvec2(around.min) * cell, glm::dvec2(around.max) * cell};
+			const CellRect padded = cells.grown(oracle::margin);
+			const Rect area{glm::dvec2(padded.min) * cell, glm::dvec2(padded.max) * cell};
 			check_against_oracle(set, cells, random_obstacles(random, area, 0.5 * size, size, count));
 		}
 	}
@@ -161,29 +161,29 @@ TEST_CASE("obstacles: windows of a filled set agree, also with wider margins and
 	const std::vector<Obstacle> obstacles =
 			random_obstacles(random, {{-200.0, -200.0}, {260.0, 260.0}}, 0.5, 3.0, 12000);
 	const Rect region{{-7.0, 3.0}, {113.0, 91.0}};
-	std::vector<SamplePoint> whole = filled(set, region, obstacles, 60);
-	std::ranges::sort(whole, {}, &SamplePoint::id);
-	CHECK(whole.size() > 500);
+	std::vector<SamplePoint> all_points = filled(set, region, obstacles, 60);
+	std::ranges::sort(all_points, {}, &SamplePoint::id);
+	CHECK(all_points.size() > 500);
 	for (const double side : {10.0, 33.0, 64.0}) {
 		std::vector<SamplePoint> parts;
 		for (double y = region.min.y; y < region.max.y; y += side) {
 			for (double x = region.min.x; x < region.max.x; x += side) {
 				const Rect tile{{x, y}, glm::min(glm::dvec2(x, y) + side, region.max)};
-				const double around = fill_distance(set, margin);
-				std::vector<Obstacle> near;
+				const double fill_radius = fill_distance(set, margin);
+				std::vector<Obstacle> near_obstacles;
 				for (const Obstacle &each : obstacles) {
 					const glm::dvec2 offset = glm::max(tile.min - each.center, each.center - tile.max);
-					if (std::max(offset.x, offset.y) < around + each.radius) {
-						near.push_back(each);
+					if (std::max(offset.x, offset.y) < fill_radius + each.radius) {
+						near_obstacles.push_back(each);
 					}
 				}
-				std::ranges::shuffle(near, random);
-				const std::vector<SamplePoint> points = filled(set, tile, near);
+				std::ranges::shuffle(near_obstacles, random);
+				const std::vector<SamplePoint> points = filled(set, tile, near_obstacles);
 				parts.insert(parts.end(), points.begin(), points.end());
 			}
 		}
 		std::ranges::sort(parts, {}, &SamplePoint::id);
-		CHECK(parts == whole);
+		CHECK(parts == all_points);
 	}
 }
 
@@ -191,8 +191,8 @@ TEST_CASE("obstacles: a margin that is too narrow is an error, not a different s
 	const PointSet set{.seed = 8, .radius = 1.0};
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
-	const std::vector<Obstacle> one{{{3.0, 3.0}, 1.0}};
-	const Obstacles obstacles{one, 0};
+	const std::vector<Obstacle> single_obstacle{{{3.0, 3.0}, 1.0}};
+	const Obstacles obstacles{single_obstacle, 0};
 	const Status status = sampler.sample(set, {{0.0, 0.0}, {20.0, 20.0}}, points, {}, nullptr, &obstacles);
 	CHECK(status.code == ErrorCode::margin_too_wide);
 	CHECK(points.empty());

@@ -26,10 +26,10 @@ double depth(const Obstruction &obstruction, glm::dvec2 position) {
 	const std::size_t count = obstruction.outline.size();
 	for (std::size_t i = 0; i < count; ++i) {
 		const glm::dvec2 from = obstruction.outline[i];
-		const glm::dvec2 along = obstruction.outline[(i + 1) % count] - from;
-		const glm::dvec2 to = position - from;
-		if (glm::length(along) > 1e-12) {
-			min_distance = std::min(min_distance, (along.x * to.y - along.y * to.x) / glm::length(along));
+		const glm::dvec2 edge = obstruction.outline[(i + 1) % count] - from;
+		const glm::dvec2 offset = position - from;
+		if (glm::length(edge) > 1e-12) {
+			min_distance = std::min(min_distance, (edge.x * offset.y - edge.y * offset.x) / glm::length(edge));
 		}
 	}
 	return min_distance;
@@ -92,9 +92,9 @@ TEST_CASE("obstruction: a leaning cylinder obstructs only up to the height of an
 		const glm::dvec3 axis = basis[1] * shape.height;
 		for (int step = 0; step <= 10; ++step) {
 			const glm::dvec3 at = axis * (step / 10.0);
-			const double inside = depth(obstruction, {1.0 + at.x, 2.0 + at.z});
+			const double inner_depth = depth(obstruction, {1.0 + at.x, 2.0 + at.z});
 			if (at.y <= agent.height) {
-				CHECK(inside >= radius + half_diagonal - 1e-9);
+				CHECK(inner_depth >= radius + half_diagonal - 1e-9);
 			}
 		}
 		for (const glm::dvec2 corner : obstruction.outline) {

@@ -44,15 +44,16 @@ TEST_CASE("orientation: the sign is exact and the value accurate, even for the n
 	int on_line = 0;
 	for (int round = 0; round < 20000; ++round) {
 		const int bits = 10 + static_cast<int>(random() % 42);
-		const auto number = [&] {
+		const auto random_number = [&] {
 			return static_cast<std::int64_t>(random() % (std::uint64_t{1} << bits)) - (std::int64_t{1} << (bits - 1));
 		};
-		std::array<std::array<std::int64_t, 2>, 3> corner{{{number(), number()}, {number(), number()}, {}}};
+		std::array<std::array<std::int64_t, 2>, 3> corner{
+				{{random_number(), random_number()}, {random_number(), random_number()}, {}}};
 		// The third corner is on the line through the other two corners or about one lattice step
 		// away from it.
-		const auto part = static_cast<std::int64_t>(random() % 8);
+		const auto fraction = static_cast<std::int64_t>(random() % 8);
 		for (std::size_t axis = 0; axis < 2; ++axis) {
-			corner[2][axis] = corner[0][axis] + (corner[1][axis] - corner[0][axis]) / 7 * part +
+			corner[2][axis] = corner[0][axis] + (corner[1][axis] - corner[0][axis]) / 7 * fraction +
 					static_cast<std::int64_t>(random() % 3) - 1;
 		}
 		const double scale = std::ldexp(1.0, -static_cast<int>(random() % 60));
@@ -62,10 +63,10 @@ TEST_CASE("orientation: the sign is exact and the value accurate, even for the n
 		}
 		const Wide area = exact(corner);
 		const double expected = static_cast<double>(area) * scale * scale;
-		const double found = orientation(corners[0], corners[1], corners[2]);
+		const double actual = orientation(corners[0], corners[1], corners[2]);
 		on_line += area == 0 ? 1 : 0;
-		CHECK(sign(found) == sign(expected));
-		CHECK(std::abs(found - expected) <= std::ldexp(std::abs(expected), -26));
+		CHECK(sign(actual) == sign(expected));
+		CHECK(std::abs(actual - expected) <= std::ldexp(std::abs(expected), -26));
 		CHECK(sign(orientation(corners[1], corners[0], corners[2])) == -sign(expected));
 		CHECK(sign(orientation(corners[2], corners[0], corners[1])) == sign(expected));
 	}

@@ -102,12 +102,12 @@ TEST_CASE("out of memory: sampling a window leaves no points and a usable sample
 		std::vector<SamplePoint> expected;
 		REQUIRE(TileSampler().sample(set, window, expected).ok());
 		using Sampling = Job<TileSampler, std::vector<SamplePoint>>;
-		for (const bool used : {false, true}) {
+		for (const bool is_used : {false, true}) {
 			fail_every_request(
 					"rect",
 					[&] {
 						Sampling job;
-						if (used) { // The sampler has sampled a smaller window, so all its buffers must grow.
+						if (is_used) { // The sampler has sampled a smaller window, so all its buffers must grow.
 							REQUIRE(job.tool.sample(PointSet{.seed = 9}, {{0.0, 0.0}, {3.0, 1.0}}, job.answer).ok());
 						}
 						return job;
@@ -187,9 +187,9 @@ TEST_CASE("out of memory: tables, masks and shapes stay unchanged") {
 
 	const std::vector<Shape> shapes = some_shapes();
 	const auto near_all = [](const ShapeSet &set) {
-		std::vector<std::uint32_t> near;
-		REQUIRE(set.find_nearby({{-99.0, -99.0}, {99.0, 99.0}}, near).ok());
-		return near.size();
+		std::vector<std::uint32_t> near_shapes;
+		REQUIRE(set.find_nearby({{-99.0, -99.0}, {99.0, 99.0}}, near_shapes).ok());
+		return near_shapes.size();
 	};
 	using Shaping = Job<ShapeSet, std::vector<Shape>>;
 	fail_every_request(
@@ -215,10 +215,10 @@ TEST_CASE("out of memory: tables, masks and shapes stay unchanged") {
 
 TEST_CASE("out of memory: shapes near an area are returned completely or not at all") {
 	const std::vector<Shape> shapes = some_shapes();
-	const std::vector<Rect> known{small_tile};
+	const std::vector<Rect> known_rects{small_tile};
 	using Areas = std::vector<Rect>;
 	fail_every_request(
-			"shapes", [&] { return Areas(known); }, [&](Areas &areas) { return add_touched(shapes[1], areas); },
+			"shapes", [&] { return Areas(known_rects); }, [&](Areas &areas) { return add_touched(shapes[1], areas); },
 			[](const Areas &areas) { REQUIRE(areas.size() == 1); },
 			[](const Areas &areas) { REQUIRE(areas.size() == 1 + 50); });
 
@@ -226,7 +226,7 @@ TEST_CASE("out of memory: shapes near an area are returned completely or not at 
 	ShapeSet after;
 	REQUIRE(after.set({shapes[0], shapes[2]}).ok());
 	for (std::size_t allowed = 0, done = 0; done == 0; ++allowed) {
-		Areas areas(known);
+		Areas areas(known_rects);
 		const AllocationLimit limit(allowed);
 		const bool reported = find_shape_edits(before.get(), &after, areas);
 		done = limit.reached() ? 0 : 1;
@@ -281,17 +281,17 @@ TEST_CASE("out of memory: painting changes a mask completely or not at all") {
 	for (const Brush::Mode mode : {Brush::Mode::paint, Brush::Mode::erase, Brush::Mode::smooth}) {
 		brush.mode = mode;
 		PaintedMask expected = before;
-		Rect changed;
-		REQUIRE(expected.paint(brush, changed).ok());
+		Rect changed_rect;
+		REQUIRE(expected.paint(brush, changed_rect).ok());
 		fail_every_request(
-				"radius", prepare, [&](Painting &job) { return job.tool.paint(brush, changed); }, unchanged,
+				"radius", prepare, [&](Painting &job) { return job.tool.paint(brush, changed_rect); }, unchanged,
 				[&](const Painting &job) { REQUIRE(job.tool == expected); });
 	}
 	const PixelRect region{{-70, -70}, {70, 70}};
 	const std::vector<std::uint8_t> pixels(140 * 140, 200);
-	Rect changed;
+	Rect changed_rect;
 	fail_every_request(
-			"region", prepare, [&](Painting &job) { return job.tool.write(region, pixels, changed); }, unchanged,
+			"region", prepare, [&](Painting &job) { return job.tool.write(region, pixels, changed_rect); }, unchanged,
 			[&](const Painting &job) { REQUIRE(read(job.tool, region) == pixels); });
 	fail_every_request(
 			"region", prepare, [&](Painting &job) { return job.tool.read(region, job.answer); }, unchanged,
@@ -354,9 +354,9 @@ TEST_CASE("out of memory: a tile in two steps continues from the points that wer
 				REQUIRE(job.tool.find_points(layer, small_tile).ok());
 				ground.assign(job.tool.positions().size(), Ground{});
 				for (const GroundQuery &query : job.tool.queries()) {
-					const auto where = job.tool.positions().subspan(query.first, query.count);
-					const auto there = std::span(ground).subspan(query.first, query.count);
-					REQUIRE(terrain.query(where, query.needs, there).ok());
+					const auto positions = job.tool.positions().subspan(query.first, query.count);
+					const auto grounds = std::span(ground).subspan(query.first, query.count);
+					REQUIRE(terrain.query(positions, query.needs, grounds).ok());
 				}
 				return job;
 			},

@@ -52,12 +52,12 @@ bool equal(const std::vector<InstanceQuery::Tile> &a, const std::vector<Instance
 
 /// Repeats a query while each of its allocations fails in turn. `query(answer)` returns a Status.
 template <typename Answer, typename Query>
-void fail_query(QueriedWorld &r_queried, const char *refused, const Query &query) {
+void fail_query(QueriedWorld &r_queried, const char *property, const Query &query) {
 	Answer expected;
 	REQUIRE(query(expected).ok());
 	REQUIRE(!expected.empty());
 	fail_every_request(
-			refused,
+			property,
 			[&] {
 				r_queried.world.requests.clear();
 				return Answer(3);
@@ -72,12 +72,12 @@ TEST_CASE("out of memory: a query of any kind returns an error and no result, an
 	QueriedWorld queried;
 	const InstanceQuery query = queried.query();
 	QueryFilter all;
-	QueryFilter some;
-	some.layers = {0, 2};
-	some.accepts = [](const PlacedInstance &instance) {
+	QueryFilter layer_filter;
+	layer_filter.layers = {0, 2};
+	layer_filter.accepts = [](const PlacedInstance &instance) {
 		return instance.id % 3 != 0;
 	};
-	for (const QueryFilter &filter : {all, some}) {
+	for (const QueryFilter &filter : {all, layer_filter}) {
 		fail_query<std::vector<PlacedInstance>>(
 				queried, "rect", [&](auto &found) { return query.in_rect(glade, filter, found); });
 		fail_query<std::vector<PlacedInstance>>(queried, "radius",

@@ -125,14 +125,14 @@ TEST_CASE("out of memory: a state loads, applies diffs and merges completely or 
 	for (const std::uint64_t seed : {4u, 5u}) {
 		for (const int random_changes : {0, 60, 400}) {
 			InstanceState other = some_state(seed + 100, 200);
-			const StateBytes saved = bytes_of(other);
+			const StateBytes saved_bytes = bytes_of(other);
 			const StateBytes diff = diff_of(other, other.revision() / 2);
 			other.set_origin(5);
 			const StateBytes named = diff_of(other, 0);
 			fail_change("data", seed, random_changes,
-					[&](RecordedState &recorded) { return recorded.state.load(saved, recorded.changes); });
+					[&](RecordedState &recorded) { return recorded.state.load(saved_bytes, recorded.changes); });
 			fail_change("data", seed, random_changes,
-					[&](RecordedState &recorded) { return recorded.state.apply(saved, recorded.changes); });
+					[&](RecordedState &recorded) { return recorded.state.apply(saved_bytes, recorded.changes); });
 			fail_change("data", seed, random_changes,
 					[&](RecordedState &recorded) { return recorded.state.apply(diff, recorded.changes); });
 			fail_change("data", seed, random_changes,
@@ -167,14 +167,14 @@ TEST_CASE("out of memory: a state returns complete bytes and lists, or none") {
 		std::uint64_t id = 0;
 		REQUIRE(state.add(instance_at(i, 100.0 * i, 16000), id).ok());
 	}
-	const StateBytes saved = bytes_of(state);
+	const StateBytes saved_bytes = bytes_of(state);
 	const StateBytes diff = diff_of(state, 20);
 	const auto nothing = [](const StateBytes &bytes) {
 		REQUIRE(bytes.empty());
 	};
 	fail_every_request(
 			"state", [] { return StateBytes(3); }, [&](StateBytes &bytes) { return state.save(bytes); }, nothing,
-			[&](const StateBytes &bytes) { REQUIRE(bytes == saved); });
+			[&](const StateBytes &bytes) { REQUIRE(bytes == saved_bytes); });
 	fail_every_request(
 			"state", [] { return StateBytes(3); }, [&](StateBytes &bytes) { return state.diff_since(20, bytes); },
 			nothing, [&](const StateBytes &bytes) { REQUIRE(bytes == diff); });
@@ -192,7 +192,7 @@ TEST_CASE("out of memory: a peer that requests forgotten changes gets the whole 
 	for (std::size_t allowed = 0; allowed < 30; ++allowed) {
 		InstanceState recorded = some_state(9, 100);
 		InstanceState peer = copy_of(recorded);
-		const std::uint64_t known = recorded.revision();
+		const std::uint64_t known_revision = recorded.revision();
 		{
 			const AllocationLimit limit(allowed, AllocationLimit::Fails::one);
 			for (int i = 0; i < 300; ++i) {
@@ -200,7 +200,7 @@ TEST_CASE("out of memory: a peer that requests forgotten changes gets the whole 
 			}
 		}
 		std::vector<InstanceChange> changes;
-		REQUIRE(peer.apply(diff_of(recorded, known), changes).ok());
+		REQUIRE(peer.apply(diff_of(recorded, known_revision), changes).ok());
 		REQUIRE(peer.digest() == recorded.digest());
 	}
 }
@@ -211,13 +211,13 @@ TEST_CASE("out of memory: a state continues like one that never ran out of memor
 	StateRandom random(10);
 	for (int i = 0; i < 3000; ++i) {
 		const std::uint64_t id = point_id(2, static_cast<int>(random() % 60), static_cast<int>(random() % 3));
-		const double until = random() % 2 == 0 ? state.time() + 1.0 + static_cast<double>(random() % 30) : 0.0;
-		const std::uint64_t what = random() % 8;
+		const double end_time = random() % 2 == 0 ? state.time() + 1.0 + static_cast<double>(random() % 30) : 0.0;
+		const std::uint64_t operation = random() % 8;
 		const auto change = [&](InstanceState &r_state, std::vector<InstanceChange> &r_changes) -> Status {
-			if (what == 0) {
+			if (operation == 0) {
 				return r_state.advance(1.0, r_changes);
 			}
-			return what < 6 ? r_state.remove(id, until).status : r_state.restore(id).status;
+			return operation < 6 ? r_state.remove(id, end_time).status : r_state.restore(id).status;
 		};
 		std::vector<InstanceChange> changes;
 		Status status;
@@ -239,18 +239,18 @@ TEST_CASE("out of memory: a state continues like one that never ran out of memor
 TEST_CASE("out of memory: a visible tile gets its complete overlay or stays unchanged") {
 	const auto tile = compact_tile(rich_layer(), built(rich_layer(), hills(), {{-20.0, 0.0}, {20.0, 40.0}}));
 	InstanceState state;
-	std::unordered_set<std::uint64_t> hidden;
+	std::unordered_set<std::uint64_t> hidden_ids;
 	for (const CompactMesh &mesh : tile->meshes) {
 		for (std::size_t i = 0; i < mesh.size(); i += 5) {
 			state.remove(mesh.id(i));
-			hidden.insert(mesh.id(i + 1 < mesh.size() ? i + 1 : i));
+			hidden_ids.insert(mesh.id(i + 1 < mesh.size() ? i + 1 : i));
 		}
 	}
 	for (int i = 0; i < 5; ++i) {
 		std::uint64_t id = 0;
 		REQUIRE(state.add(instance_at(i, 3.0 + i, 3), id).ok());
 	}
-	const Overlay overlay{&state, &hidden};
+	const Overlay overlay{&state, &hidden_ids};
 	const Rect rect{{-20.0, 0.0}, {20.0, 40.0}};
 	OverlaidMeshes expected;
 	REQUIRE(overlaid(tile, rich_layer(), rect, overlay, expected).ok());
@@ -292,15 +292,15 @@ TEST_CASE("out of memory: a near set returns all changes or none and keeps its i
 		NearSet set = prepared();
 		NearChanges changes;
 		bool complete = false;
-		bool held = false;
+		bool is_held = false;
 		{
 			const AllocationLimit limit(allowed);
 			complete = set.find_changes(centers, {8.0, 10.0}, present, changes);
-			held = set.retain(present[30]);
+			is_held = set.retain(present[30]);
 			done = limit.reached() ? 0 : 1;
 		}
-		REQUIRE(set.holds(30) == held);
-		REQUIRE(set.size() == (held ? 26 : 25));
+		REQUIRE(set.holds(30) == is_held);
+		REQUIRE(set.size() == (is_held ? 26 : 25));
 		if (!complete) {
 			++failures;
 			REQUIRE(changes.enter.empty());

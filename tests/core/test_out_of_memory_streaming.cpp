@@ -115,24 +115,24 @@ void check_all_in_view(const LowMemoryStage &stage, std::uint32_t layer, const s
 } // namespace
 
 TEST_CASE("out of memory: the next update completes an incomplete one") {
-	const std::vector<Viewer> near{{.position = {3.0, 4.0}}};
-	const std::vector<Viewer> far{{.position = {240.0, -90.0}}, {.position = {-500.0, 80.0}}};
+	const std::vector<Viewer> near_viewers{{.position = {3.0, 4.0}}};
+	const std::vector<Viewer> far_viewers{{.position = {240.0, -90.0}}, {.position = {-500.0, 80.0}}};
 	LowMemoryStage twin;
 	REQUIRE(twin.streamer.set_layers(two_layers).ok());
-	twin.settle(near);
-	twin.settle(far);
+	twin.settle(near_viewers);
+	twin.settle(far_viewers);
 	std::size_t failures = 0;
 	for (std::size_t allowed = 0, done = 0; done == 0; ++allowed) {
 		CAPTURE(allowed);
 		LowMemoryStage stage;
 		REQUIRE(stage.streamer.set_layers(two_layers).ok());
-		bool whole = stage.update(near, allowed).ok();
-		stage.settle(near);
-		whole = stage.update(far, allowed).ok() && whole;
-		stage.settle(far);
+		bool is_complete = stage.update(near_viewers, allowed).ok();
+		stage.settle(near_viewers);
+		is_complete = stage.update(far_viewers, allowed).ok() && is_complete;
+		stage.settle(far_viewers);
 		REQUIRE(names_of(stage.visible) == names_of(twin.visible));
-		failures += whole ? 0 : 1;
-		done = whole ? 1 : 0;
+		failures += is_complete ? 0 : 1;
+		done = is_complete ? 1 : 0;
 	}
 	CHECK(failures > 20);
 }
@@ -168,7 +168,7 @@ TEST_CASE("out of memory: a streamer that is always short of memory reaches the 
 
 TEST_CASE("out of memory: settings of layers are applied completely or not at all") {
 	const std::vector<Viewer> viewers{{.position = {3.0, 4.0}}};
-	const std::vector<StreamLayer> others{{20.0, 100.0}, {50.0, 220.0}, {64.0, 100.0}};
+	const std::vector<StreamLayer> other_layers{{20.0, 100.0}, {50.0, 220.0}, {64.0, 100.0}};
 	std::size_t failures = 0;
 	for (std::size_t allowed = 0, done = 0; done == 0; ++allowed) {
 		CAPTURE(allowed);
@@ -179,7 +179,7 @@ TEST_CASE("out of memory: settings of layers are applied completely or not at al
 		Status status;
 		{
 			const AllocationLimit limit(allowed);
-			status = stage.streamer.set_layers(others);
+			status = stage.streamer.set_layers(other_layers);
 			done = limit.reached() ? 0 : 1;
 		}
 		if (!status.ok()) {
@@ -188,7 +188,7 @@ TEST_CASE("out of memory: settings of layers are applied completely or not at al
 			REQUIRE(std::string(status.property) == "layers");
 			stage.settle(viewers);
 			REQUIRE(names_of(stage.visible) == before);
-			REQUIRE(stage.streamer.set_layers(others).ok());
+			REQUIRE(stage.streamer.set_layers(other_layers).ok());
 		}
 		stage.settle(viewers);
 		REQUIRE(names_of(stage.visible) != before);

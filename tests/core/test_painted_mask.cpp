@@ -67,15 +67,15 @@ TEST_CASE("painted mask: densities are bilinear between pixel centers, even acro
 		std::mt19937 random(3);
 		std::uniform_real_distribution<double> along(-72.0, 72.0);
 		const auto check = [&](double x, double y) {
-			const double left = std::floor(x);
+			const double column = std::floor(x);
 			const double top = std::floor(y);
 			const Pixels four = read(mask,
-					{{static_cast<int>(left), static_cast<int>(top)},
-							{static_cast<int>(left) + 2, static_cast<int>(top) + 2}});
-			const double right = x - left;
-			const double down = y - top;
-			const double expected = (1 - right) * (1 - down) * four[0] + right * (1 - down) * four[1] +
-					(1 - right) * down * four[2] + right * down * four[3];
+					{{static_cast<int>(column), static_cast<int>(top)},
+							{static_cast<int>(column) + 2, static_cast<int>(top) + 2}});
+			const double right = x - column;
+			const double y_fraction = y - top;
+			const double expected = (1 - right) * (1 - y_fraction) * four[0] + right * (1 - y_fraction) * four[1] +
+					(1 - right) * y_fraction * four[2] + right * y_fraction * four[3];
 			REQUIRE(std::abs(density(mask, {(x + 0.5) * size, (y + 0.5) * size}) - expected / 255.0) < 1e-6);
 		};
 		for (int i = 0; i < 2000; ++i) {
@@ -114,20 +114,20 @@ TEST_CASE("painted mask: a copy keeps its state while painting continues and ano
 	const PaintedMask copy = mask;
 	const PixelRect all{{-80, -80}, {80, 80}};
 	const Pixels before = read(copy, all);
-	std::atomic<bool> done = false;
-	std::atomic<int> wrong = 0;
+	std::atomic<bool> is_finished = false;
+	std::atomic<int> wrong_count = 0;
 	std::thread worker([&] {
 		Pixels pixels;
 		do {
-			wrong += !copy.read(all, pixels).ok() || pixels != before;
-		} while (!done);
+			wrong_count += !copy.read(all, pixels).ok() || pixels != before;
+		} while (!is_finished);
 	});
 	for (int i = 0; i < 100; ++i) {
 		paint(mask, {.mode = static_cast<Brush::Mode>(i % 3), .center = {i - 50.0, 50.0 - i}, .radius = 30.0});
 	}
-	done = true;
+	is_finished = true;
 	worker.join();
-	CHECK(wrong == 0);
+	CHECK(wrong_count == 0);
 	CHECK(read(copy, all) == before);
 	CHECK_FALSE(read(mask, all) == before);
 	CHECK(mask.reset(1.0, 0.5).ok());
@@ -146,13 +146,13 @@ TEST_CASE("painted mask: pixels that are read and written back restore the mask"
 		const PixelRect region = mask.pixels_of({brush.center - brush.radius, brush.center + brush.radius});
 		const Pixels old = read(mask, region);
 		const PaintedMask undone = mask;
-		const Rect changed = paint(mask, brush);
-		const Pixels fresh = read(mask, region);
+		const Rect changed_rect = paint(mask, brush);
+		const Pixels painted_pixels = read(mask, region);
 		const PaintedMask painted = mask;
-		const Rect back = write(mask, region, old);
+		const Rect restored_rect = write(mask, region, old);
 		CHECK(mask == undone);
-		CHECK((back.min == changed.min && back.max == changed.max));
-		write(mask, region, fresh); // Redo the change.
+		CHECK((restored_rect.min == changed_rect.min && restored_rect.max == changed_rect.max));
+		write(mask, region, painted_pixels); // Redo the change.
 		CHECK(mask == painted);
 	}
 	CHECK_FALSE(mask == before);
@@ -166,9 +166,9 @@ TEST_CASE("painted mask: writing returns the changed rectangle, and repeating it
 	CHECK(mask.block_count() == 0);
 	pixels[2 * 7 + 5] = 9; // Pixel (2, 7) affects positions from the center of (1, 6) to the center of (3, 8).
 	pixels[1 * 7 + 4] = 9; // This index is the pixel (1, 6).
-	const Rect changed = write(mask, region, pixels);
-	CHECK(changed.min == glm::dvec2(1.0, 11.0));
-	CHECK(changed.max == glm::dvec2(7.0, 17.0));
+	const Rect changed_rect = write(mask, region, pixels);
+	CHECK(changed_rect.min == glm::dvec2(1.0, 11.0));
+	CHECK(changed_rect.max == glm::dvec2(7.0, 17.0));
 	CHECK(write(mask, region, pixels).empty());
 	CHECK(write(mask, {{3, 3}, {3, 3}}, {}).empty());
 	CHECK(read(mask, {{7, 7}, {7, 99}}).empty());
@@ -181,15 +181,15 @@ TEST_CASE("painted mask: a pixel contributes to no density outside the changed r
 		const double size = unit(random);
 		PaintedMask mask = mask_of(size, 0.0);
 		const glm::ivec2 at(static_cast<int>(random() % 2000) - 1000, static_cast<int>(random() % 2000) - 1000);
-		const Rect changed = write(mask, {at, at + 1}, {255});
+		const Rect changed_rect = write(mask, {at, at + 1}, {255});
 		const glm::dvec2 middle = (glm::dvec2(at) + 0.5) * size;
-		REQUIRE(density(mask, {changed.max.x, middle.y}) == 0.0f);
-		REQUIRE(density(mask, {middle.x, changed.max.y}) == 0.0f);
-		REQUIRE(density(mask, {std::nextafter(changed.min.x, -1e9), middle.y}) == 0.0f);
-		REQUIRE(density(mask, {middle.x, std::nextafter(changed.min.y, -1e9)}) == 0.0f);
+		REQUIRE(density(mask, {changed_rect.max.x, middle.y}) == 0.0f);
+		REQUIRE(density(mask, {middle.x, changed_rect.max.y}) == 0.0f);
+		REQUIRE(density(mask, {std::nextafter(changed_rect.min.x, -1e9), middle.y}) == 0.0f);
+		REQUIRE(density(mask, {middle.x, std::nextafter(changed_rect.min.y, -1e9)}) == 0.0f);
 		// The rectangle is no larger than the area that the pixel affects.
-		REQUIRE(density(mask, {changed.max.x - 1e-6 * size, middle.y}) > 0.0f);
-		REQUIRE(density(mask, {changed.min.x + 1e-6 * size, middle.y}) > 0.0f);
+		REQUIRE(density(mask, {changed_rect.max.x - 1e-6 * size, middle.y}) > 0.0f);
+		REQUIRE(density(mask, {changed_rect.min.x + 1e-6 * size, middle.y}) > 0.0f);
 	}
 }
 
@@ -212,11 +212,11 @@ TEST_CASE("painted mask: masks differ by pixel size, background and any one pixe
 	CHECK_FALSE(mask_of(1.0, 0.0) == mask_of(1.0, 0.1));
 	for (const glm::ivec2 at : {glm::ivec2(0, 0), glm::ivec2(-70, 69), glm::ivec2(1000, 1000)}) {
 		PaintedMask other = mask;
-		const PixelRect one{at, at + 1};
+		const PixelRect single_pixel{at, at + 1};
 		const int value = pixel(mask, at.x, at.y);
-		write(other, one, {static_cast<std::uint8_t>(value ^ 1)});
+		write(other, single_pixel, {static_cast<std::uint8_t>(value ^ 1)});
 		CHECK_FALSE(other == mask);
-		write(other, one, {static_cast<std::uint8_t>(value)});
+		write(other, single_pixel, {static_cast<std::uint8_t>(value)});
 		CHECK(other == mask);
 	}
 }
@@ -242,9 +242,9 @@ TEST_CASE("painted mask: the pixels of an area are those that determine its dens
 	CHECK(mask.pixels_of({}).empty());
 	CHECK(mask.pixels_of({{1.0, 1.0}, {0.0, 2.0}}).empty());
 	CHECK(mask.pixels_of({{nan_value, 1.0}, {5.0, 2.0}}).empty());
-	const PixelRect everything = mask.pixels_of({glm::dvec2(-infinite_value), glm::dvec2(infinite_value)});
-	CHECK(everything.min == glm::ivec2(-PaintedMask::pixel_limit));
-	CHECK(everything.max == glm::ivec2(PaintedMask::pixel_limit));
+	const PixelRect all_pixels = mask.pixels_of({glm::dvec2(-infinite_value), glm::dvec2(infinite_value)});
+	CHECK(all_pixels.min == glm::ivec2(-PaintedMask::pixel_limit));
+	CHECK(all_pixels.max == glm::ivec2(PaintedMask::pixel_limit));
 }
 
 TEST_CASE("painted mask: the last pixels of the plane are like all others, with background beyond them") {
@@ -276,13 +276,13 @@ TEST_CASE("painted mask: errors name the invalid property and leave the mask unc
 	check_refused(mask.reset(1.0, infinite_value), ErrorCode::not_finite, "background", infinite_value);
 	CHECK(mask == before);
 
-	Rect changed{{1.0, 2.0}, {3.0, 4.0}};
+	Rect changed_rect{{1.0, 2.0}, {3.0, 4.0}};
 	Pixels pixels{7};
 	const auto refuse = [&](const PixelRect &region, ErrorCode code, double value) {
 		check_refused(mask.read(region, pixels), code, "region", value);
-		check_refused(mask.write(region, Pixels(4), changed), code, "region", value);
+		check_refused(mask.write(region, Pixels(4), changed_rect), code, "region", value);
 		CHECK(pixels == Pixels{7});
-		CHECK(changed.min == glm::dvec2(1.0, 2.0));
+		CHECK(changed_rect.min == glm::dvec2(1.0, 2.0));
 		CHECK(mask == before);
 	};
 	refuse({{0, 0}, {-1, 5}}, ErrorCode::inverted, -1.0);
@@ -291,8 +291,8 @@ TEST_CASE("painted mask: errors name the invalid property and leave the mask unc
 	refuse({{0, 0}, {1, limit + 1}}, ErrorCode::out_of_range, limit + 1.0);
 	refuse({{0, 0}, {4097, 4096}}, ErrorCode::out_of_range, 4097.0 * 4096.0);
 	refuse({{-limit, -limit}, {limit, limit}}, ErrorCode::out_of_range, 0x1p62);
-	check_refused(mask.write({{0, 0}, {2, 1}}, Pixels(3), changed), ErrorCode::wrong_size, "pixels", 3.0);
-	check_refused(mask.write({{-limit, 0}, {limit, 0}}, Pixels(3), changed), ErrorCode::wrong_size, "pixels", 3.0);
+	check_refused(mask.write({{0, 0}, {2, 1}}, Pixels(3), changed_rect), ErrorCode::wrong_size, "pixels", 3.0);
+	check_refused(mask.write({{-limit, 0}, {limit, 0}}, Pixels(3), changed_rect), ErrorCode::wrong_size, "pixels", 3.0);
 	std::vector<float> densities(2);
 	check_refused(mask.sample(std::vector<glm::dvec2>(3), densities), ErrorCode::wrong_size, "density", 2.0);
 	CHECK(mask == before);
@@ -302,20 +302,20 @@ TEST_CASE("painted mask: a copy shares all blocks until they are painted, even w
 	PaintedMask mask;
 	REQUIRE(mask.reset(1.0, 0.0).ok());
 	std::vector<std::uint8_t> pixels(std::size_t{256} * 256, 7);
-	Rect changed;
-	REQUIRE(mask.write({{0, 0}, {256, 256}}, pixels, changed).ok());
+	Rect changed_rect;
+	REQUIRE(mask.write({{0, 0}, {256, 256}}, pixels, changed_rect).ok());
 	REQUIRE(mask.block_count() == 16);
 	PaintedMask copy = mask;
 	CHECK(copy.count_unshared_blocks(mask) == 0);
-	REQUIRE(copy.write({{10, 10}, {200, 200}}, std::span(pixels).first(190 * 190), changed).ok());
+	REQUIRE(copy.write({{10, 10}, {200, 200}}, std::span(pixels).first(190 * 190), changed_rect).ok());
 	CHECK(copy.count_unshared_blocks(mask) == 0); // The copy shares the original block again.
 	pixels.assign(1, 9);
-	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
-	REQUIRE(copy.write({{-5, 0}, {-4, 1}}, pixels, changed).ok());
+	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed_rect).ok());
+	REQUIRE(copy.write({{-5, 0}, {-4, 1}}, pixels, changed_rect).ok());
 	CHECK(copy.count_unshared_blocks(mask) == 2);
 	CHECK(mask.count_unshared_blocks(copy) == 2);
-	CHECK(copy.differs(mask, changed));
+	CHECK(copy.differs(mask, changed_rect));
 	pixels.assign(1, 7);
-	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
+	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed_rect).ok());
 	CHECK(copy.count_unshared_blocks(mask) == 2); // The pixels are equal, but in separate memory.
 }

@@ -23,12 +23,12 @@ using Mode = Brush::Mode;
 /// pixels wide.
 Brush random_brush(std::mt19937 &r_random, double pixel_size) {
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
-	const auto along = [&] {
+	const auto coordinate = [&] {
 		return (160.0 * unit(r_random) - 80.0) * pixel_size;
 	};
 	Brush brush;
 	brush.mode = static_cast<Mode>(r_random() % 3);
-	brush.center = {along(), along()};
+	brush.center = {coordinate(), coordinate()};
 	brush.radius = (r_random() % 4 == 0 ? 3.0 : 40.0) * pixel_size * (unit(r_random) + 1e-3);
 	brush.strength = r_random() % 4 == 0 ? 1.0 : unit(r_random);
 	brush.hardness = r_random() % 4 == 0 ? 1.0 : unit(r_random);
@@ -37,8 +37,9 @@ Brush random_brush(std::mt19937 &r_random, double pixel_size) {
 
 /// Returns values just before, at and just after the end of a rectangle.
 std::vector<double> about(double end) {
-	constexpr double far = std::numeric_limits<double>::infinity();
-	return {std::nextafter(std::nextafter(end, -far), -far), std::nextafter(end, -far), end, std::nextafter(end, far)};
+	constexpr double infinite_distance = std::numeric_limits<double>::infinity();
+	return {std::nextafter(std::nextafter(end, -infinite_distance), -infinite_distance),
+			std::nextafter(end, -infinite_distance), end, std::nextafter(end, infinite_distance)};
 }
 
 double deviation(const std::vector<std::uint8_t> &pixels) {
@@ -61,21 +62,22 @@ TEST_CASE("brush: no density outside the rectangle that a dab returns has change
 		for (int round = 0; round < 60; ++round) {
 			const PaintedMask before = mask;
 			const Brush brush = random_brush(random, size);
-			const Rect changed = paint(mask, brush);
-			REQUIRE((changed.empty() == (mask == before)));
+			const Rect changed_rect = paint(mask, brush);
+			REQUIRE((changed_rect.empty() == (mask == before)));
 			const auto check = [&](glm::dvec2 position) {
-				if (!changed.contains(position)) {
+				if (!changed_rect.contains(position)) {
 					REQUIRE(density(mask, position) == density(before, position));
 				}
 			};
 			for (int i = 0; i < 100; ++i) {
 				const glm::dvec2 offset(4.0 * unit(random) - 2.0, 4.0 * unit(random) - 2.0);
 				check(brush.center + (brush.radius + size) * offset);
-				const glm::dvec2 inside = changed.min + changed.size() * glm::dvec2(unit(random), unit(random));
-				for (const double x : {changed.min.x, changed.max.x}) {
+				const glm::dvec2 inside =
+						changed_rect.min + changed_rect.size() * glm::dvec2(unit(random), unit(random));
+				for (const double x : {changed_rect.min.x, changed_rect.max.x}) {
 					std::ranges::for_each(about(x), [&](double on_border) { check({on_border, inside.y}); });
 				}
-				for (const double y : {changed.min.y, changed.max.y}) {
+				for (const double y : {changed_rect.min.y, changed_rect.max.y}) {
 					std::ranges::for_each(about(y), [&](double on_border) { check({inside.x, on_border}); });
 				}
 			}
@@ -89,13 +91,13 @@ TEST_CASE("brush: the rectangle that a dab returns is as small as possible") {
 		PaintedMask mask = noisy_mask(size, 4);
 		for (int round = 0; round < 60; ++round) {
 			const PaintedMask before = mask;
-			const Rect changed = paint(mask, random_brush(random, size));
-			if (changed.empty()) {
+			const Rect changed_rect = paint(mask, random_brush(random, size));
+			if (changed_rect.empty()) {
 				continue;
 			}
 			// On each edge of the rectangle, at least one pixel of the outermost line has changed.
-			const PixelRect region = {
-					glm::ivec2(glm::round(changed.min / size + 0.5)), glm::ivec2(glm::round(changed.max / size - 0.5))};
+			const PixelRect region = {glm::ivec2(glm::round(changed_rect.min / size + 0.5)),
+					glm::ivec2(glm::round(changed_rect.max / size - 0.5))};
 			const auto differs = [&](const PixelRect &line) {
 				return read(mask, line) != read(before, line);
 			};
@@ -136,8 +138,8 @@ TEST_CASE("brush: strength is full within the hard part, and falls smoothly to 0
 			int before = 255;
 			for (int x = 0; x <= 70; ++x) {
 				const double distance = x / 16.0;
-				const double part = std::clamp((4.0 - distance) / (4.0 - 4.0 * hardness), 0.0, 1.0);
-				const double expected = 255.0 * strength * part * part * (3.0 - 2.0 * part);
+				const double fraction = std::clamp((4.0 - distance) / (4.0 - 4.0 * hardness), 0.0, 1.0);
+				const double expected = 255.0 * strength * fraction * fraction * (3.0 - 2.0 * fraction);
 				const int value = pixel(mask, x, 0);
 				CHECK(std::abs(value - expected) <= 1.0);
 				CHECK(value <= before);
@@ -210,9 +212,9 @@ TEST_CASE("brush: smoothing removes noise, keeps flat areas and never leaves the
 	double before = deviation(read(mask, middle));
 	for (int dab = 0; dab < 4; ++dab) {
 		paint(mask, {.mode = Mode::smooth, .center = {0.0, 0.0}, .radius = 40.0, .strength = 0.5});
-		const double now = deviation(read(mask, middle));
-		CHECK(now < 0.8 * before);
-		before = now;
+		const double new_deviation = deviation(read(mask, middle));
+		CHECK(new_deviation < 0.8 * before);
+		before = new_deviation;
 	}
 	for (const int value : {0, 100, 255}) {
 		PaintedMask flat = mask_of(1.0, value / 255.0);
@@ -251,9 +253,9 @@ TEST_CASE("brush: errors name the invalid property and leave the mask unchanged"
 	const auto refuse = [&](auto change, ErrorCode code, const char *property, double value) {
 		Brush brush;
 		change(brush);
-		Rect changed{{1.0, 2.0}, {3.0, 4.0}};
-		check_refused(mask.paint(brush, changed), code, property, value);
-		CHECK(changed.max == glm::dvec2(3.0, 4.0));
+		Rect changed_rect{{1.0, 2.0}, {3.0, 4.0}};
+		check_refused(mask.paint(brush, changed_rect), code, property, value);
+		CHECK(changed_rect.max == glm::dvec2(3.0, 4.0));
 		CHECK(mask == before);
 	};
 	refuse([](auto &bad) { bad.mode = static_cast<Mode>(3); }, ErrorCode::out_of_range, "mode", 3.0);
@@ -278,8 +280,9 @@ TEST_CASE("brush: the largest dab works in every mode, also at the end of the pl
 	for (const Mode mode : {Mode::paint, Mode::erase, Mode::smooth}) {
 		PaintedMask mask = mask_of(1.0, 0.5);
 		const glm::dvec2 corner(PaintedMask::pixel_limit - 1025.0);
-		const Rect changed = paint(mask, {.mode = mode, .center = corner, .radius = max_brush_pixels, .hardness = 1.0});
-		CHECK(changed.empty() == (mode == Mode::smooth));
+		const Rect changed_rect =
+				paint(mask, {.mode = mode, .center = corner, .radius = max_brush_pixels, .hardness = 1.0});
+		CHECK(changed_rect.empty() == (mode == Mode::smooth));
 		CHECK(density(mask, corner) == (mode == Mode::smooth ? byte_density(128) : mode == Mode::paint ? 1.0f : 0.0f));
 	}
 }

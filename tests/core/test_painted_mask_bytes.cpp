@@ -74,28 +74,28 @@ TEST_CASE("mask bytes: a loaded mask is equal, and so are its bytes") {
 TEST_CASE("mask bytes: a loaded mask can be painted, and blocks of one value stay independent") {
 	PaintedMask mask = mask_of(1.0, 0.0);
 	paint(mask, {.center = {0.0, 0.0}, .radius = 300.0, .hardness = 1.0});
-	PaintedMask loaded;
-	REQUIRE(loaded.from_bytes(mask.to_bytes()).ok());
+	PaintedMask loaded_mask;
+	REQUIRE(loaded_mask.from_bytes(mask.to_bytes()).ok());
 	const Brush erase{.mode = Brush::Mode::erase, .center = {32.0, 32.0}, .radius = 20.0};
 	paint(mask, erase);
-	paint(loaded, erase);
-	CHECK(loaded == mask);
-	CHECK(pixel(loaded, 32, 32) == 0);
-	CHECK(pixel(loaded, 96, 32) == 255);
+	paint(loaded_mask, erase);
+	CHECK(loaded_mask == mask);
+	CHECK(pixel(loaded_mask, 32, 32) == 0);
+	CHECK(pixel(loaded_mask, 96, 32) == 255);
 }
 
 TEST_CASE("mask bytes: equal masks have equal bytes, regardless of the painting") {
-	PaintedMask forth = mask_of(1.0, 0.0);
-	PaintedMask back = mask_of(1.0, 0.0);
-	paint(back, {.center = {500.0, 0.0}, .radius = 90.0});
+	PaintedMask original = mask_of(1.0, 0.0);
+	PaintedMask restored = mask_of(1.0, 0.0);
+	paint(restored, {.center = {500.0, 0.0}, .radius = 90.0});
 	for (int i = 0; i < 5; ++i) {
-		paint(forth, {.center = {100.0 * i, -77.0}, .radius = 30.0});
-		paint(back, {.center = {100.0 * (4 - i), -77.0}, .radius = 30.0});
+		paint(original, {.center = {100.0 * i, -77.0}, .radius = 30.0});
+		paint(restored, {.center = {100.0 * (4 - i), -77.0}, .radius = 30.0});
 	}
-	CHECK_FALSE(back.to_bytes() == forth.to_bytes());
-	paint(back, {.mode = Brush::Mode::erase, .center = {510.0, 0.0}, .radius = 101.0, .hardness = 1.0});
-	CHECK(back == forth);
-	CHECK(back.to_bytes() == forth.to_bytes());
+	CHECK_FALSE(restored.to_bytes() == original.to_bytes());
+	paint(restored, {.mode = Brush::Mode::erase, .center = {510.0, 0.0}, .radius = 101.0, .hardness = 1.0});
+	CHECK(restored == original);
+	CHECK(restored.to_bytes() == original.to_bytes());
 }
 
 TEST_CASE("mask bytes: blocks of one value take few bytes") {
@@ -166,20 +166,20 @@ TEST_CASE("mask bytes: invalid content with a valid checksum is rejected") {
 	const Bytes bytes = small_mask().to_bytes(); // A block of one value at (-2, 1), and a block at (1, -1).
 	constexpr std::size_t uniform_size = 10;
 	REQUIRE(bytes.size() == header + uniform_size + 9 + 64 * 64 + 8);
-	const auto changed = [&](std::size_t offset, std::uint8_t value) {
+	const auto changed_byte = [&](std::size_t offset, std::uint8_t value) {
 		Bytes bad = bytes;
 		bad[offset] = value;
 		return with_checksum(bad);
 	};
-	check_corrupt(changed(15, 0x41));         // The pixel size becomes 2^17 m.
-	check_corrupt(changed(15, 0xbf));         // The pixel size becomes -0.5 m.
-	check_corrupt(changed(header + 3, 0x7f)); // A row out of range.
-	check_corrupt(changed(header + 7, 0x7f)); // A column out of range.
-	check_corrupt(changed(header + 8, 2));    // An unknown kind of block.
+	check_corrupt(changed_byte(15, 0x41));         // The pixel size becomes 2^17 m.
+	check_corrupt(changed_byte(15, 0xbf));         // The pixel size becomes -0.5 m.
+	check_corrupt(changed_byte(header + 3, 0x7f)); // A row out of range.
+	check_corrupt(changed_byte(header + 7, 0x7f)); // A column out of range.
+	check_corrupt(changed_byte(header + 8, 2));    // An unknown kind of block.
 	// The kind with all pixels, which leaves too few bytes for the next block.
-	check_corrupt(changed(header + 8, 1));
-	check_corrupt(changed(header + 9, 0));                // A block that is all background.
-	check_corrupt(changed(header + uniform_size + 8, 0)); // One value, followed by bytes that are not a block.
+	check_corrupt(changed_byte(header + 8, 1));
+	check_corrupt(changed_byte(header + 9, 0));                // A block that is all background.
+	check_corrupt(changed_byte(header + uniform_size + 8, 0)); // One value, followed by bytes that are not a block.
 
 	// Blocks out of order, and a repeated block.
 	Bytes swapped(bytes.begin(), bytes.begin() + header);

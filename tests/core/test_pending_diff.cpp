@@ -73,46 +73,47 @@ TEST_CASE("pending diffs: the result is the same as applying them when they are 
 		CAPTURE(seed);
 		StateRandom random(seed);
 		InstanceState at_once = some_state(seed, static_cast<int>(random() % 200));
-		InstanceState later = copy_of(at_once);
+		InstanceState later_state = copy_of(at_once);
 		at_once = copy_of(at_once); // A copy as well, so that both have the same revision numbers.
-		const std::vector<std::uint64_t> placed = later.added_ids();
-		InstanceState other = copy_of(later);
+		const std::vector<std::uint64_t> added_ids = later_state.added_ids();
+		InstanceState other = copy_of(later_state);
 		std::vector<StateBytes> diffs;
 		for (std::size_t i = 0; i < 1 + seed % 3; ++i) {
 			const std::uint64_t revision = other.revision();
 			change_at_random(other, random, 80);
 			diffs.push_back(seed % 5 == 0 ? bytes_of(other) : diff_of(other, revision));
 		}
-		std::vector<Calls> between;
+		std::vector<Calls> later_calls;
 		for (const StateBytes &diff : diffs) {
 			Changes changes;
 			REQUIRE(at_once.apply(diff, changes).ok());
-			queue(later, diff);
-			between.push_back(some_calls(random, placed, 40));
-			run_calls(between.back(), at_once);
-			run_calls(between.back(), later);
+			queue(later_state, diff);
+			later_calls.push_back(some_calls(random, added_ids, 40));
+			run_calls(later_calls.back(), at_once);
+			run_calls(later_calls.back(), later_state);
 		}
 		for (std::size_t i = 0; i < diffs.size(); ++i) {
-			Mirror mirror(later);
+			Mirror mirror(later_state);
 			StateChanges changes;
-			finish(later, changes);
+			finish(later_state, changes);
 			mirror.follow(changes);
-			mirror.check(later);
+			mirror.check(later_state);
 		}
-		CHECK(later.pending_diff() == nullptr);
-		CHECK(bytes_of(later) == bytes_of(at_once));
+		CHECK(later_state.pending_diff() == nullptr);
+		CHECK(bytes_of(later_state) == bytes_of(at_once));
 		// Data that the bytes do not contain must be correct as well.
 		for (const int layer : {0, 16000, 32000}) {
-			std::vector<std::uint64_t> near;
-			REQUIRE(later.added_in(static_cast<std::uint16_t>(layer), {{-1e9, -1e9}, {1e9, 1e9}}, near).ok());
-			CHECK(near == later.added_ids(layer));
+			std::vector<std::uint64_t> layer_ids;
+			REQUIRE(later_state.added_in(static_cast<std::uint16_t>(layer), {{-1e9, -1e9}, {1e9, 1e9}}, layer_ids)
+							.ok());
+			CHECK(layer_ids == later_state.added_ids(layer));
 		}
-		Changes left;
+		Changes remaining;
 		Changes right;
-		REQUIRE(later.advance(1000.0, left).ok());
+		REQUIRE(later_state.advance(1000.0, remaining).ok());
 		REQUIRE(at_once.advance(1000.0, right).ok());
-		CHECK(left.size() == right.size());
-		CHECK(bytes_of(later) == bytes_of(at_once));
+		CHECK(remaining.size() == right.size());
+		CHECK(bytes_of(later_state) == bytes_of(at_once));
 	}
 }
 
@@ -143,16 +144,16 @@ TEST_CASE("pending diffs: moved instances keep their IDs, even if a diff uses th
 	const StateBytes diff = diff_of(other, 0);
 	queue(state, diff);
 	Changes changes;
-	std::uint64_t moved = 0;
+	std::uint64_t moved_id = 0;
 	std::uint64_t moved_point = 0;
-	REQUIRE(state.move(oak, instance_at(5.0, 6.0), moved, changes).ok());
+	REQUIRE(state.move(oak, instance_at(5.0, 6.0), moved_id, changes).ok());
 	REQUIRE(state.move(point, instance_at(9.0, 9.0), moved_point, changes).ok());
 	Mirror mirror(state);
 	StateChanges reported;
 	finish(state, reported);
 	mirror.follow(reported);
 	mirror.check(state);
-	CHECK(moved == oak);
+	CHECK(moved_id == oak);
 	REQUIRE(state.added(oak) != nullptr);
 	CHECK(*state.added(oak) == instance_at(5.0, 6.0));
 	REQUIRE(state.added(moved_point) != nullptr);
@@ -190,10 +191,10 @@ TEST_CASE("pending diffs: peers that request changes get all changes, for any la
 }
 
 TEST_CASE("pending diffs: very many changes are recorded, but no more than the limit") {
-	constexpr int many = 70000;
+	constexpr int change_count = 70000;
 	const auto removals = [](int first) {
 		InstanceState state;
-		for (int i = 0; i < many; ++i) {
+		for (int i = 0; i < change_count; ++i) {
 			state.remove(point_id(1, first + i, 0));
 		}
 		return diff_of(state, 0);
@@ -210,14 +211,14 @@ TEST_CASE("pending diffs: very many changes are recorded, but no more than the l
 		state.remove(point_id(3, round, 0));
 		StateChanges changes;
 		finish(state, changes);
-		CHECK(changes.size() == (round == 0 ? many : round == 1 ? 1000 : 0));
+		CHECK(changes.size() == (round == 0 ? change_count : round == 1 ? 1000 : 0));
 	}
-	CHECK(state.removed_count() == many + 1000 + 100 + 6);
+	CHECK(state.removed_count() == change_count + 1000 + 100 + 6);
 	InstanceState peer = copy_of(early_peer);
 	Changes changes;
 	const StateBytes diff = diff_of(state, early);
 	CHECK(diff[8] == 1); // The diff is not a complete state.
 	REQUIRE(peer.apply(diff, changes).ok());
-	CHECK(changes.size() == many + 1000 + 6);
+	CHECK(changes.size() == change_count + 1000 + 6);
 	CHECK(peer.digest() == state.digest());
 }

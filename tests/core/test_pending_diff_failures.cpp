@@ -17,7 +17,7 @@ TEST_CASE("pending diffs: an invalid diff has no effect, and later diffs proceed
 	InstanceState at_once = copy_of(state);
 	InstanceState other = copy_of(state);
 	StateRandom random(8);
-	const std::vector<std::uint64_t> placed = state.added_ids();
+	const std::vector<std::uint64_t> added_ids = state.added_ids();
 	change_at_random(other, random, 90);
 	const StateBytes good = diff_of(other, 0);
 	StateBytes bad = good;
@@ -31,7 +31,7 @@ TEST_CASE("pending diffs: an invalid diff has no effect, and later diffs proceed
 		queue(state, *diff);
 		Changes changes;
 		CHECK(at_once.apply(*diff, changes).ok() == (diff != &bad));
-		const Calls calls = some_calls(random, placed, 30);
+		const Calls calls = some_calls(random, added_ids, 30);
 		run_calls(calls, state);
 		run_calls(calls, at_once);
 	}
@@ -89,13 +89,13 @@ TEST_CASE("pending diffs: the state changes while another thread works") {
 	const StateBytes diff = diff_of(other, 0);
 	InstanceState state = some_state(11, 3000);
 	InstanceState at_once = copy_of(state);
-	const std::vector<std::uint64_t> placed = state.added_ids();
+	const std::vector<std::uint64_t> added_ids = state.added_ids();
 	for (int round = 0; round < 4; ++round) {
 		queue(state, diff);
 		Changes changes;
 		REQUIRE(at_once.apply(diff, changes).ok());
 		std::jthread thread([pending = state.pending_diff()] { pending->work(); });
-		const Calls calls = some_calls(random, placed, 2000);
+		const Calls calls = some_calls(random, added_ids, 2000);
 		run_calls(calls, state);
 		thread.join();
 		run_calls(calls, at_once);
@@ -116,21 +116,21 @@ TEST_CASE("pending diffs: a canceled diff ends soon and has no effect") {
 	CHECK(state.finish_pending_diff(changes).code == ErrorCode::cancelled);
 	CHECK(bytes_of(state) == before);
 	// A state may be destroyed while a thread is working on its diff.
-	auto gone = std::make_unique<InstanceState>(copy_of(state));
-	queue(*gone, diff);
-	const std::shared_ptr<PendingDiff> pending = gone->pending_diff();
+	auto destroyed = std::make_unique<InstanceState>(copy_of(state));
+	queue(*destroyed, diff);
+	const std::shared_ptr<PendingDiff> pending = destroyed->pending_diff();
 	std::jthread thread([pending] { pending->work(); });
 	pending->cancel();
-	gone.reset();
+	destroyed.reset();
 }
 
 TEST_CASE("out of memory: a pending diff is applied completely or not at all") {
 	for (const std::uint64_t seed : {14u, 15u}) {
 		StateRandom random(seed);
 		const InstanceState before = some_state(seed, 120);
-		const std::vector<std::uint64_t> placed = before.added_ids();
+		const std::vector<std::uint64_t> added_ids = before.added_ids();
 		const StateBytes diff = bytes_of(some_state(seed + 10, 60));
-		const Calls calls = some_calls(random, placed, 12);
+		const Calls calls = some_calls(random, added_ids, 12);
 		InstanceState at_once = copy_of(before);
 		Changes changes;
 		REQUIRE(at_once.apply(diff, changes).ok());

@@ -102,19 +102,19 @@ TEST_CASE("pixel grid: finds the rectangle of different pixels") {
 	CHECK(before.difference(grid_of(std::make_shared<Bytes>(*bytes))).empty());
 	std::mt19937 random(5);
 	for (int i = 0; i < 60; ++i) {
-		auto changed = std::make_shared<Bytes>(*bytes);
+		auto changed_bytes = std::make_shared<Bytes>(*bytes);
 		PixelRect expected{size, glm::ivec2(0)};
 		PixelGrid patched = before;
 		for (unsigned pixel = 0; pixel < 1 + random() % 4; ++pixel) {
 			const glm::ivec2 at{static_cast<int>(random() % 300), static_cast<int>(random() % 200)};
 			const std::size_t byte = (static_cast<std::size_t>(at.y) * size.x + at.x) * pixel_bytes + random() % 3;
-			(*changed)[byte] = static_cast<std::uint8_t>((*bytes)[byte] + 1);
-			REQUIRE(patched.patch({at, at + 1}, *changed).ok());
+			(*changed_bytes)[byte] = static_cast<std::uint8_t>((*bytes)[byte] + 1);
+			REQUIRE(patched.patch({at, at + 1}, *changed_bytes).ok());
 			expected = {glm::min(expected.min, at), glm::max(expected.max, at + 1)};
 		}
-		CHECK(grid_of(changed).difference(before) == expected);
+		CHECK(grid_of(changed_bytes).difference(before) == expected);
 		CHECK(before.difference(patched) == expected);
-		CHECK(patched.difference(grid_of(changed)).empty());
+		CHECK(patched.difference(grid_of(changed_bytes)).empty());
 	}
 	// The last pixel is in a block within the rectangle around the first two, so that block is not
 	// searched.

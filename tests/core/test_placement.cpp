@@ -115,13 +115,13 @@ TEST_CASE("placement: yaw is uniform over its range and positive in the engine's
 	}
 	CHECK(chi_squared < 70.0);
 
-	Placement some;
-	some.min_yaw_degrees = 90.0;
-	some.max_yaw_degrees = 135.0;
+	Placement partial;
+	partial.min_yaw_degrees = 90.0;
+	partial.max_yaw_degrees = 135.0;
 	double lowest = 360.0;
 	double highest = 0.0;
 	for (std::uint64_t id = 0; id < 2000; ++id) {
-		const double yaw = yaw_of(transform_of(some, id));
+		const double yaw = yaw_of(transform_of(partial, id));
 		lowest = std::min(lowest, yaw);
 		highest = std::max(highest, yaw);
 	}

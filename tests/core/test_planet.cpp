@@ -45,9 +45,9 @@ TriangleParts spheres(const std::vector<double> &radii) {
 		for (const std::uint32_t index : triangles.indices) {
 			corners.push_back(center + triangles.vertices[index]);
 		}
-		auto part = std::make_shared<TriangleTerrain>();
-		REQUIRE(part->set(corners, nullptr, Winding::counterclockwise).ok());
-		parts.push_back(part);
+		auto terrain_part = std::make_shared<TriangleTerrain>();
+		REQUIRE(terrain_part->set(corners, nullptr, Winding::counterclockwise).ok());
+		parts.push_back(terrain_part);
 	}
 	TriangleParts ground;
 	REQUIRE(ground.set(parts).ok());
@@ -91,11 +91,11 @@ void add_placed(const LayerSettings &layer, const Terrain &ground, const TileSpa
 	}
 }
 
-constexpr Rect around{{-32.0, -32.0}, {48.0, 48.0}};
+constexpr Rect area{{-32.0, -32.0}, {48.0, 48.0}};
 
 std::map<std::uint64_t, Placed> placed_in(const LayerSettings &layer, const Terrain &ground) {
 	std::map<std::uint64_t, Placed> result;
-	add_placed(layer, ground, around, result);
+	add_placed(layer, ground, area, result);
 	return result;
 }
 
@@ -117,10 +117,10 @@ TEST_CASE("planet: up is away from the center, and heights are altitudes") {
 	CHECK(planet.up_at(center) == glm::dvec3(0, 1, 0));
 	CHECK(planet.altitude(center + glm::dvec3(0, 0, -23)) == 3.0);
 	const Ground east{static_cast<float>(center.y), {1, 0, 0}, 0.5f};
-	const Ground seen = on_planet(planet, {center.x + 22.0, center.z}, east);
-	CHECK(seen.height == 2.0f);
-	CHECK(seen.normal == glm::vec3(0, 1, 0));
-	CHECK(seen.weight == 0.5f);
+	const Ground expected = on_planet(planet, {center.x + 22.0, center.z}, east);
+	CHECK(expected.height == 2.0f);
+	CHECK(expected.normal == glm::vec3(0, 1, 0));
+	CHECK(expected.weight == 0.5f);
 	CHECK(on_planet(planet, {center.x - 22.0, center.z}, east).normal == glm::vec3(0, -1, 0));
 	CHECK(on_planet(planet, {center.x, center.z + 22.0}, east).normal == glm::vec3(1, 0, 0));
 	CHECK_FALSE(Planet().exists());
@@ -208,24 +208,24 @@ TEST_CASE("planet: cubes have the same instances as whole columns, also next to 
 	const TriangleParts ground = spheres({20.0});
 	LayerSettings layer = layer_beside_trees();
 	layer.instance_data.color.kind = SourceKind::height;
-	const auto whole = placed_in(layer, ground);
-	CHECK(whole.size() > 2000);
+	const auto all_placed = placed_in(layer, ground);
+	CHECK(all_placed.size() > 2000);
 	for (const double size : {16.0, 7.3}) {
-		std::map<std::uint64_t, Placed> together;
-		const glm::ivec2 first = tile_at(size, around.min);
-		const glm::ivec2 last = tile_at(size, around.max);
+		std::map<std::uint64_t, Placed> joined_parts;
+		const glm::ivec2 first = tile_at(size, area.min);
+		const glm::ivec2 last = tile_at(size, area.max);
 		for (int z = first.y; z <= last.y; ++z) {
 			for (int x = first.x; x <= last.x; ++x) {
 				for (int slab = slab_at(size, center.y - 21.0); slab <= slab_at(size, center.y + 21.0); ++slab) {
-					add_placed(layer, ground, tile_space(size, {x, z}, slab), together);
+					add_placed(layer, ground, tile_space(size, {x, z}, slab), joined_parts);
 				}
 			}
 		}
-		REQUIRE(together.size() == whole.size());
-		for (const auto &[id, each] : whole) {
-			REQUIRE(together.contains(id));
-			CHECK(glm::distance(together.at(id).position, each.position) < 1e-5);
-			CHECK(glm::distance(together.at(id).basis[0], each.basis[0]) < 1e-5);
+		REQUIRE(joined_parts.size() == all_placed.size());
+		for (const auto &[id, each] : all_placed) {
+			REQUIRE(joined_parts.contains(id));
+			CHECK(glm::distance(joined_parts.at(id).position, each.position) < 1e-5);
+			CHECK(glm::distance(joined_parts.at(id).basis[0], each.basis[0]) < 1e-5);
 		}
 	}
 }
@@ -233,7 +233,7 @@ TEST_CASE("planet: cubes have the same instances as whole columns, also next to 
 TEST_CASE("planet: lent threads share a large cube, and the cubes of a column can be merged") {
 	const TriangleParts ground = spheres({20.0});
 	const LayerSettings layer = layer_on_planet(0.5);
-	const TileSpace space(around, -30.0, 2.0);
+	const TileSpace space(area, -30.0, 2.0);
 	TileBuilder builder;
 	TileInstances alone;
 	TileInstances shared;
@@ -246,23 +246,23 @@ TEST_CASE("planet: lent threads share a large cube, and the cubes of a column ca
 
 	const auto settings = std::make_shared<const LayerSettings>(layer);
 	TileInstances other;
-	REQUIRE(builder.build(layer, ground, {around, 2.0, 30.0}, other).ok());
-	TileInstances whole;
-	REQUIRE(builder.build(layer, ground, {around, -30.0, 30.0}, whole).ok());
+	REQUIRE(builder.build(layer, ground, {area, 2.0, 30.0}, other).ok());
+	TileInstances whole_tile;
+	REQUIRE(builder.build(layer, ground, {area, -30.0, 30.0}, whole_tile).ok());
 	const CompactTile low(alone, settings);
 	const CompactTile high(other, settings);
 	const std::array<TileMesh, 2> meshes{TileMesh{&low.meshes[0], low.origin}, TileMesh{&high.meshes[0], high.origin}};
-	const CompactMesh both = merged(meshes, whole.origin);
-	REQUIRE(both.size() == whole.meshes[0].size());
-	CHECK(both.size() > alone.meshes[0].size());
-	for (std::size_t i = 0; i < both.size(); ++i) {
-		CHECK(both.id(i) == whole.meshes[0].ids[i]);
-		CHECK(both.ranks()[i] == whole.meshes[0].ranks[i]);
-		const float *floats = whole.meshes[0].buffer.data() + i * transform_floats;
-		CHECK(glm::distance(both.positions()[i], glm::vec3(floats[3], floats[7], floats[11])) < 1e-4f);
+	const CompactMesh merged_mesh = merged(meshes, whole_tile.origin);
+	REQUIRE(merged_mesh.size() == whole_tile.meshes[0].size());
+	CHECK(merged_mesh.size() > alone.meshes[0].size());
+	for (std::size_t i = 0; i < merged_mesh.size(); ++i) {
+		CHECK(merged_mesh.id(i) == whole_tile.meshes[0].ids[i]);
+		CHECK(merged_mesh.ranks()[i] == whole_tile.meshes[0].ranks[i]);
+		const float *floats = whole_tile.meshes[0].buffer.data() + i * transform_floats;
+		CHECK(glm::distance(merged_mesh.positions()[i], glm::vec3(floats[3], floats[7], floats[11])) < 1e-4f);
 	}
-	CHECK(glm::distance(both.min(), whole.meshes[0].min) < 1e-4f);
-	CHECK(glm::distance(both.max(), whole.meshes[0].max) < 1e-4f);
+	CHECK(glm::distance(merged_mesh.min(), whole_tile.meshes[0].min) < 1e-4f);
+	CHECK(glm::distance(merged_mesh.max(), whole_tile.meshes[0].max) < 1e-4f);
 	CHECK(merged({}, {}).size() == 0);
 }
 
@@ -273,18 +273,18 @@ TEST_CASE("planet: the neighbors of an explained position are sampled near it") 
 	const auto placed = placed_in(layer, ground);
 	PositionExplainer explainer;
 	PositionExplanation explanation;
-	std::size_t standing = 0;
+	std::size_t standing_count = 0;
 	std::mt19937 random(4);
 	std::uniform_real_distribution<double> along(-1.0, 1.0);
 	for (int i = 0; i < 100; ++i) {
-		const glm::dvec3 away = glm::normalize(glm::dvec3(along(random), along(random), along(random)));
-		REQUIRE(explainer.find(layer, center + 20.0 * away, ground.surface()).ok());
+		const glm::dvec3 direction = glm::normalize(glm::dvec3(along(random), along(random), along(random)));
+		REQUIRE(explainer.find(layer, center + 20.0 * direction, ground.surface()).ok());
 		REQUIRE(explainer.explain({}, explanation).ok());
 		CHECK(explanation.is_placed() == placed.contains(explanation.point.id));
-		standing += explanation.is_placed() ? 1 : 0;
+		standing_count += explanation.is_placed() ? 1 : 0;
 	}
-	CHECK(standing > 30);
-	CHECK(standing < 100);
+	CHECK(standing_count > 30);
+	CHECK(standing_count < 100);
 }
 
 TEST_CASE("planet: the shell of the ground contains all of it") {
@@ -336,17 +336,17 @@ TEST_CASE("planet: batches are bit-identical to single transforms, on every inst
 					const glm::vec3 position = i == 0 ? glm::vec3(0.0f)
 							: i < 3                   ? glm::vec3(0.0f, i == 1 ? 20.0f : -20.0f, 0.0f)
 													  : glm::vec3(along(random), along(random), along(random));
-					const glm::vec3 away = glm::vec3(up_field.at(position));
-					batch.add(i * 977, i % 5 == 0 ? -away : random_normal(random), position);
+					const glm::vec3 direction = glm::vec3(up_field.at(position));
+					batch.add(i * 977, i % 5 == 0 ? -direction : random_normal(random), position);
 				}
 				batch.make(placement, seed, up_field);
 				for (std::size_t i = 0; i < TransformBatch::capacity; ++i) {
 					std::array<float, transform_floats> expected{};
-					std::array<float, transform_floats> got{};
+					std::array<float, transform_floats> actual{};
 					write_position(batch.position(i), expected);
 					write_basis(placement, seed, batch.ids[i], batch.normal(i), expected, up_field);
-					batch.write(i, got);
-					REQUIRE(std::memcmp(expected.data(), got.data(), sizeof got) == 0);
+					batch.write(i, actual);
+					REQUIRE(std::memcmp(expected.data(), actual.data(), sizeof actual) == 0);
 				}
 			}
 		}

@@ -56,9 +56,9 @@ std::vector<glm::dvec3> notable_directions() {
 glm::dvec3 beside(const glm::dvec3 &up, double meters, double bearing) {
 	const glm::dvec3 side =
 			glm::normalize(glm::cross(up, std::abs(up.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 0, 1)));
-	const glm::dvec3 way = std::cos(bearing) * side + std::sin(bearing) * glm::cross(up, side);
+	const glm::dvec3 direction = std::cos(bearing) * side + std::sin(bearing) * glm::cross(up, side);
 	const double angle = meters / planet.radius;
-	return std::cos(angle) * up + std::sin(angle) * way;
+	return std::cos(angle) * up + std::sin(angle) * direction;
 }
 
 /// Returns the position at the planet's radius plus an altitude, as a batch's parts.
@@ -83,9 +83,9 @@ float density_toward(const Map &map, const glm::dvec3 &direction, double altitud
 }
 
 bool paint_toward(PaintedMask &r_mask, const glm::dvec3 &direction, const Brush &brush) {
-	bool changed = false;
-	REQUIRE(r_mask.paint_on(planet.radius, direction, brush, changed).ok());
-	return changed;
+	bool is_changed = false;
+	REQUIRE(r_mask.paint_on(planet.radius, direction, brush, is_changed).ok());
+	return is_changed;
 }
 
 /// Returns a mask with random dabs in all modes, all over the planet.
@@ -131,15 +131,15 @@ TEST_CASE("planet maps: the directions of nodes are where the grid finds them, a
 		CHECK(grid.count() * pixel_size < planet.radius * std::numbers::pi / 2.0 + pixel_size);
 		std::mt19937 random(1);
 		for (int i = 0; i < 3000; ++i) {
-			const CubeGrid::Place place = grid.at(random_direction(random));
-			const glm::dvec2 tangents(grid.tangent(place.position.x), grid.tangent(place.position.y));
-			const CubeGrid::Place found = grid.at(CubeGrid::direction(place.face, tangents));
-			REQUIRE(found.face == place.face);
-			REQUIRE(glm::distance(found.position, place.position) < 1e-8 * grid.count());
-			REQUIRE(place.position.x >= 0.0);
-			REQUIRE(place.position.x <= grid.count());
-			REQUIRE(place.position.y >= 0.0);
-			REQUIRE(place.position.y <= grid.count());
+			const CubeGrid::Place cell = grid.at(random_direction(random));
+			const glm::dvec2 tangents(grid.tangent(cell.position.x), grid.tangent(cell.position.y));
+			const CubeGrid::Place inverse = grid.at(CubeGrid::direction(cell.face, tangents));
+			REQUIRE(inverse.face == cell.face);
+			REQUIRE(glm::distance(inverse.position, cell.position) < 1e-8 * grid.count());
+			REQUIRE(cell.position.x >= 0.0);
+			REQUIRE(cell.position.x <= grid.count());
+			REQUIRE(cell.position.y >= 0.0);
+			REQUIRE(cell.position.y <= grid.count());
 		}
 	}
 }
@@ -148,23 +148,23 @@ TEST_CASE("planet maps: faces share the nodes of their edges, and every node has
 	const CubeGrid grid(planet.radius, 60.0);
 	using Cell = std::tuple<int, int, int>;
 	std::map<std::pair<int, int>, Cell> cells; // The rounded direction of each pixel.
-	std::size_t stored = 0;
+	std::size_t stored_count = 0;
 	for (int face = 0; face < CubeGrid::faces; ++face) {
 		for (int y = 0; y <= grid.count(); ++y) {
 			for (int x = 0; x <= grid.count(); ++x) {
 				const glm::ivec2 pixel = grid.pixel(face, {x, y});
 				const glm::dvec3 at = glm::round(1e6 * CubeGrid::direction(face, {grid.tangent(x), grid.tangent(y)}));
 				const Cell cell(static_cast<int>(at.x), static_cast<int>(at.y), static_cast<int>(at.z));
-				const auto known = cells.emplace(std::pair(pixel.x, pixel.y), cell).first;
-				REQUIRE(known->second == cell);
-				stored += grid.stores(face, {x, y}) ? 1 : 0;
+				const auto first_cell = cells.emplace(std::pair(pixel.x, pixel.y), cell).first;
+				REQUIRE(first_cell->second == cell);
+				stored_count += grid.stores(face, {x, y}) ? 1 : 0;
 				REQUIRE((grid.stores(face, {x, y}) == (pixel == grid.corner(face) + glm::ivec2(x, y))));
 			}
 		}
 	}
 	const auto count = static_cast<std::size_t>(grid.count());
 	CHECK(cells.size() == 6 * count * count + 2);
-	CHECK(stored == cells.size());
+	CHECK(stored_count == cells.size());
 }
 
 TEST_CASE("planet maps: near the pole toward +y, a mask has the same densities as on the ground") {
@@ -184,11 +184,11 @@ TEST_CASE("planet maps: dabs are round on the ground at poles, at the equator an
 			for (int side = 0; side < 24; ++side) {
 				// The strength is a half at three quarters of the radius.
 				double within = 0.5 * radius;
-				double beyond = 1.1 * radius;
+				double outer = 1.1 * radius;
 				for (int step = 0; step < 30; ++step) {
-					const double middle = 0.5 * (within + beyond);
+					const double middle = 0.5 * (within + outer);
 					const glm::dvec3 at = beside(center, middle, side * std::numbers::pi / 12.0);
-					(density_toward(mask, at) >= 0.5F ? within : beyond) = middle;
+					(density_toward(mask, at) >= 0.5F ? within : outer) = middle;
 				}
 				REQUIRE(within > 0.75 * radius * 0.97);
 				REQUIRE(within < 0.75 * radius * 1.03);
@@ -235,9 +235,9 @@ TEST_CASE("planet maps: a painted mask is continuous everywhere") {
 			at[(axis + 1) % 3] = std::copysign(at[axis], at[(axis + 1) % 3]);
 			at = glm::normalize(at);
 		}
-		const float here = density_toward(mask, beside(at, step, turn(random)), 500.0);
-		const float there = density_toward(mask, beside(at, step, turn(random)), -250.0);
-		REQUIRE(std::abs(here - there) < 4e-4F);
+		const float density = density_toward(mask, beside(at, step, turn(random)), 500.0);
+		const float opposite_density = density_toward(mask, beside(at, step, turn(random)), -250.0);
+		REQUIRE(std::abs(density - opposite_density) < 4e-4F);
 	}
 }
 
@@ -263,8 +263,8 @@ TEST_CASE("planet maps: a dab of any size is valid, on a planet that is smaller 
 		PaintedMask mask = mask_of(1.0, 0.0);
 		for (const double dab : {0.01, 3.0, 300.0}) {
 			for (const auto mode : {Brush::Mode::paint, Brush::Mode::smooth}) {
-				bool changed = false;
-				CHECK(mask.paint_on(radius, {-1.0, 0.2, 0.9}, {.mode = mode, .radius = dab}, changed).ok());
+				bool is_changed = false;
+				CHECK(mask.paint_on(radius, {-1.0, 0.2, 0.9}, {.mode = mode, .radius = dab}, is_changed).ok());
 			}
 		}
 		const Planet small{{0.0, 0.0, 0.0}, radius};
@@ -279,11 +279,11 @@ TEST_CASE("planet maps: a dab of any size is valid, on a planet that is smaller 
 
 TEST_CASE("planet maps: invalid dabs name the value and change nothing") {
 	PaintedMask mask = mask_of(1.0, 0.0);
-	bool changed = false;
-	CHECK(std::string(mask.paint_on(0.0, {0.0, 1.0, 0.0}, {}, changed).property) == "planet_radius");
-	CHECK(std::string(mask.paint_on(10.0, {0.0, 0.0, 0.0}, {}, changed).property) == "from_center");
-	CHECK(std::string(mask.paint_on(10.0, {0.0, nan_value, 0.0}, {}, changed).property) == "from_center");
-	CHECK(std::string(mask.paint_on(10.0, {0.0, 1.0, 0.0}, {.radius = 1e4}, changed).property) == "radius");
+	bool is_changed = false;
+	CHECK(std::string(mask.paint_on(0.0, {0.0, 1.0, 0.0}, {}, is_changed).property) == "planet_radius");
+	CHECK(std::string(mask.paint_on(10.0, {0.0, 0.0, 0.0}, {}, is_changed).property) == "from_center");
+	CHECK(std::string(mask.paint_on(10.0, {0.0, nan_value, 0.0}, {}, is_changed).property) == "from_center");
+	CHECK(std::string(mask.paint_on(10.0, {0.0, 1.0, 0.0}, {.radius = 1e4}, is_changed).property) == "radius");
 	CHECK(mask.block_count() == 0);
 }
 
@@ -318,7 +318,7 @@ TEST_CASE("planet maps: outside the areas of an edit, no density of a mask has c
 	std::mt19937 random(13);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	int changes = 0;
-	int outside = 0;
+	int outside_count = 0;
 	for (int round = 0; round < 60; ++round) {
 		const PaintedMask before = painted_planet(6);
 		PaintedMask after = before;
@@ -336,15 +336,15 @@ TEST_CASE("planet maps: outside the areas of an edit, no density of a mask has c
 			const bool differs = density_toward(before, at) != density_toward(after, at);
 			REQUIRE((contained || !differs));
 			changes += differs ? 1 : 0;
-			outside += contained ? 0 : 1;
+			outside_count += contained ? 0 : 1;
 		}
 	}
 	CHECK(changes > 1000);
-	CHECK(outside > 5000);
-	std::vector<Rect> none;
-	CHECK(painted_planet(6).find_edits_on(planet, painted_planet(6), none));
-	CHECK(none.empty());
-	CHECK_FALSE(mask_of(1.0, 0.0).find_edits_on(planet, mask_of(1.0, 0.5), none));
+	CHECK(outside_count > 5000);
+	std::vector<Rect> no_rects;
+	CHECK(painted_planet(6).find_edits_on(planet, painted_planet(6), no_rects));
+	CHECK(no_rects.empty());
+	CHECK_FALSE(mask_of(1.0, 0.0).find_edits_on(planet, mask_of(1.0, 0.5), no_rects));
 }
 
 TEST_CASE("planet maps: a biome map covers the sphere like a texture") {
@@ -372,18 +372,20 @@ TEST_CASE("planet maps: a disc on an image contains the pixels within its radius
 					++found[static_cast<std::size_t>(row.min.y * 200 + x)];
 				}
 			}
-			std::size_t wrong = 0;
+			std::size_t wrong_count = 0;
 			for (int i = 0; i < 200 * 100; ++i) {
-				const double around = (i % 200 + 0.5) / 100.0 * std::numbers::pi;
+				const double angle = (i % 200 + 0.5) / 100.0 * std::numbers::pi;
 				const double from_pole = (i / 200 + 0.5) / 100.0 * std::numbers::pi;
-				const glm::dvec3 at(std::sin(from_pole) * std::sin(around), std::cos(from_pole),
-						std::sin(from_pole) * std::cos(around));
-				const double off = glm::distance(at, center);
+				const glm::dvec3 at(std::sin(from_pole) * std::sin(angle), std::cos(from_pole),
+						std::sin(from_pole) * std::cos(angle));
+				const double center_distance = glm::distance(at, center);
 				const int count = found[static_cast<std::size_t>(i)];
-				wrong += count > 1 || (off < distance - 1e-6 && count != 1) ? 1 : 0;
-				wrong += count == 1 && off > distance + 0.04 ? 1 : 0; // The pixel of the center may be farther away.
+				wrong_count += count > 1 || (center_distance < distance - 1e-6 && count != 1) ? 1 : 0;
+				wrong_count += count == 1 && center_distance > distance + 0.04
+						? 1
+						: 0; // The pixel of the center may be farther away.
 			}
-			CHECK(wrong == 0);
+			CHECK(wrong_count == 0);
 			const glm::dvec2 middle = sphere_image_position(center) * glm::dvec2(image);
 			const int column = static_cast<int>(middle.x) % 200;
 			const int row = std::min(static_cast<int>(middle.y), 99);
@@ -395,9 +397,9 @@ TEST_CASE("planet maps: a disc on an image contains the pixels within its radius
 TEST_CASE("planet maps: borders of biomes are equally wide on every side") {
 	const double width = 12.0;
 	const auto map = biomes({.width = width, .noise = 0.0});
-	PerBiome<float> only{};
-	only[0] = 1.0F;
-	const BiomeDensity layer(map, only);
+	PerBiome<float> set_biome{};
+	set_biome[0] = 1.0F;
+	const BiomeDensity layer(map, set_biome);
 	// The equator is a border between rows. A meridian is a border at 80 degrees, where pixels are narrow.
 	const auto mixed_length = [&](const glm::dvec3 &at, const glm::dvec3 &across) {
 		int mixed = 0;
@@ -425,15 +427,15 @@ TEST_CASE("planet maps: the biomes of a cap include all biomes in it, across the
 		if (i % 4 == 0) {
 			middle = glm::normalize(glm::dvec3(0.02 * middle.x, middle.y, std::abs(middle.z))); // Near the seam.
 		}
-		const double reach = 0.3 * unit(random);
-		const BiomeSet found = map->biomes_toward(planet.radius, cap_within(middle, reach));
-		single += std::has_single_bit(found) ? 1 : 0;
+		const double cap_radius = 0.3 * unit(random);
+		const BiomeSet biome_set = map->biomes_toward(planet.radius, cap_within(middle, cap_radius));
+		single += std::has_single_bit(biome_set) ? 1 : 0;
 		for (int j = 0; j < 6; ++j) {
 			BiomeTaps taps{};
 			map->taps_toward(
-					planet.radius, beside(middle, reach * planet.radius * unit(random), 7.0 * unit(random)), taps);
+					planet.radius, beside(middle, cap_radius * planet.radius * unit(random), 7.0 * unit(random)), taps);
 			for (const std::uint8_t biome : taps) {
-				REQUIRE((found & biome_bit(biome)) != 0);
+				REQUIRE((biome_set & biome_bit(biome)) != 0);
 			}
 		}
 	}
@@ -480,13 +482,13 @@ TEST_CASE("planet maps: rules use the mask, the biome and the water of the side 
 	rules.mask = std::make_shared<PaintedMask>(mask);
 	rules.biome = std::make_shared<BiomeDensity>(map, four_densities());
 	rules.water = std::make_shared<WaterLevels>(map, levels);
-	PreparedRules ready;
-	REQUIRE(ready.set(rules, 1, GroundSides::all, planet).ok());
+	PreparedRules prepared_rules;
+	REQUIRE(prepared_rules.set(rules, 1, GroundSides::all, planet).ok());
 	std::vector<float> scratch;
 	const auto position_density = [&](const glm::dvec3 &direction) {
 		const OnPlanet at(direction);
 		double value = -1.0;
-		REQUIRE(ready.position_densities(at.batch(), {&value, 1}, scratch).ok());
+		REQUIRE(prepared_rules.position_densities(at.batch(), {&value, 1}, scratch).ok());
 		return value;
 	};
 	const glm::dvec3 bottom = glm::normalize(glm::dvec3(std::sin(1.37), -20.0, std::cos(1.37))); // In biome 3.
@@ -495,7 +497,7 @@ TEST_CASE("planet maps: rules use the mask, the biome and the water of the side 
 	CHECK(position_density(top) == 0.0);
 	const auto ground_density = [&](const glm::dvec3 &direction, double altitude) {
 		const OnPlanet at(direction, altitude);
-		return ready.ground_density({at.height, glm::vec3(direction)}, at.position);
+		return prepared_rules.ground_density({at.height, glm::vec3(direction)}, at.position);
 	};
 	CHECK(ground_density(bottom, 4.0) == 0.0);
 	CHECK(ground_density(bottom, 6.0) == 1.0);
@@ -504,14 +506,14 @@ TEST_CASE("planet maps: rules use the mask, the biome and the water of the side 
 	PerBiome<float> second{};
 	second[2] = 1.0F;
 	rules.biome = std::make_shared<BiomeDensity>(map, second);
-	REQUIRE(ready.set(rules, 1, GroundSides::all, planet).ok());
+	REQUIRE(prepared_rules.set(rules, 1, GroundSides::all, planet).ok());
 	const auto tile_at = [](const glm::dvec3 &direction) {
 		const glm::dvec3 at = planet.center + planet.radius * glm::normalize(direction);
 		return TileSpace({{at.x - 8.0, at.z - 8.0}, {at.x + 8.0, at.z + 8.0}}, at.y - 8.0, at.y + 8.0);
 	};
-	CHECK_FALSE(ready.closed_in(tile_at({0.2, -0.6, 1.0})));
-	CHECK(ready.closed_in(tile_at({0.2, 0.6, 1.0})));
-	CHECK(ready.closed_in(tile_at({0.2, -0.6, -1.0})));
+	CHECK_FALSE(prepared_rules.closed_in(tile_at({0.2, -0.6, 1.0})));
+	CHECK(prepared_rules.closed_in(tile_at({0.2, 0.6, 1.0})));
+	CHECK(prepared_rules.closed_in(tile_at({0.2, -0.6, -1.0})));
 }
 
 TEST_CASE("planet maps: noise in expressions differs between the sides, and continues around the planet") {
@@ -527,14 +529,14 @@ TEST_CASE("planet maps: noise in expressions differs between the sides, and cont
 		return prepared.ground_density({static_cast<float>(position.y), glm::vec3(up)}, {position.x, position.z});
 	};
 	std::mt19937 random(3);
-	double apart = 0.0;
+	double angular_gap = 0.0;
 	double step = 0.0;
 	constexpr int count = 1000;
 	for (int i = 0; i < count; ++i) {
 		const glm::dvec3 up = random_direction(random);
-		apart += std::abs(density_at(up) - density_at({up.x, -up.y, up.z}));
+		angular_gap += std::abs(density_at(up) - density_at({up.x, -up.y, up.z}));
 		step = std::max(step, std::abs(density_at(up) - density_at(beside(up, 0.1, i))));
 	}
-	CHECK(apart / count > 0.15); // Independent numbers from 0 to 1 differ by a third on average.
+	CHECK(angular_gap / count > 0.15); // Independent numbers from 0 to 1 differ by a third on average.
 	CHECK(step < 0.1);
 }

@@ -43,9 +43,9 @@ struct PlanetWorld {
 		for (const std::uint32_t index : triangles.indices) {
 			corners.push_back(triangles.vertices[index]);
 		}
-		auto part = std::make_shared<TriangleTerrain>();
-		REQUIRE(part->set(corners, nullptr, Winding::counterclockwise).ok());
-		REQUIRE(ground.set(std::vector<TriangleParts::Part>{part}).ok());
+		auto terrain_part = std::make_shared<TriangleTerrain>();
+		REQUIRE(terrain_part->set(corners, nullptr, Winding::counterclockwise).ok());
+		REQUIRE(ground.set(std::vector<TriangleParts::Part>{terrain_part}).ok());
 		settings.set = {.seed = 5, .radius = 2.0, .levels = 1, .layer = 4, .on_surface = true};
 		settings.rules.max_slope_degrees = 180.0;
 		settings.planet = {{0.0, 0.0, 0.0}, planet_radius};
@@ -75,11 +75,11 @@ struct PlanetWorld {
 	}
 
 	std::vector<PlacedInstance> all() {
-		std::vector<PlacedInstance> found;
+		std::vector<PlacedInstance> results;
 		REQUIRE(world.answer([&](const InstanceQuery &query) {
-						 return query.in_rect(Rect{{-70.0, -70.0}, {70.0, 70.0}}, {}, found);
+						 return query.in_rect(Rect{{-70.0, -70.0}, {70.0, 70.0}}, {}, results);
 					 }).ok());
-		return found;
+		return results;
 	}
 };
 
@@ -99,37 +99,43 @@ TEST_CASE("planet queries: spheres, rectangles, the nearest instance and IDs, fr
 	const std::vector<PlacedInstance> all = planet.all();
 	CHECK(all.size() > 7000);
 	for (const glm::dvec3 &position : positions()) {
-		PlanetWorld fresh;
-		std::vector<PlacedInstance> found;
-		REQUIRE(fresh.world
-						.answer([&](const InstanceQuery &query) { return query.in_sphere(position, 12.0, {}, found); })
+		PlanetWorld fresh_world;
+		std::vector<PlacedInstance> results;
+		REQUIRE(fresh_world.world
+						.answer([&](const InstanceQuery &query) {
+							return query.in_sphere(position, 12.0, {}, results);
+						})
 						.ok());
 		std::set<std::uint64_t> expected;
 		const PlacedInstance *nearest = nullptr;
 		for (const PlacedInstance &each : all) {
-			const double away = glm::distance(each.position, position);
-			if (away <= 12.0) {
+			const double query_distance = glm::distance(each.position, position);
+			if (query_distance <= 12.0) {
 				expected.insert(each.id);
 			}
-			nearest = nearest == nullptr || away < glm::distance(nearest->position, position) ? &each : nearest;
+			nearest =
+					nearest == nullptr || query_distance < glm::distance(nearest->position, position) ? &each : nearest;
 		}
-		CHECK(found.size() > 50);
-		CHECK(found.size() == expected.size());
-		for (const PlacedInstance &each : found) {
+		CHECK(results.size() > 50);
+		CHECK(results.size() == expected.size());
+		for (const PlacedInstance &each : results) {
 			CHECK(expected.contains(each.id));
 		}
-		CHECK(fresh.generated_tiles < 40); // No tiles on the far side or high above the ground are generated.
+		CHECK(fresh_world.generated_tiles < 40); // No tiles on the far side or high above the ground are generated.
 		std::vector<NearestInstance> first;
-		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.nearest(position, 12.0, {}, first); })
+		REQUIRE(fresh_world.world
+						.answer([&](const InstanceQuery &query) { return query.nearest(position, 12.0, {}, first); })
 						.ok());
 		REQUIRE(first.size() == 1);
 		CHECK(first[0].instance.id == nearest->id);
-		std::vector<PlacedInstance> same;
-		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.by_id(nearest->id, same); }).ok());
-		REQUIRE(same.size() == 1);
-		CHECK(glm::distance(same[0].position, nearest->position) < 1e-4);
-		fresh.state.remove(nearest->id);
-		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.nearest(position, 12.0, {}, first); })
+		std::vector<PlacedInstance> repeated;
+		REQUIRE(fresh_world.world.answer([&](const InstanceQuery &query) { return query.by_id(nearest->id, repeated); })
+						.ok());
+		REQUIRE(repeated.size() == 1);
+		CHECK(glm::distance(repeated[0].position, nearest->position) < 1e-4);
+		fresh_world.state.remove(nearest->id);
+		REQUIRE(fresh_world.world
+						.answer([&](const InstanceQuery &query) { return query.nearest(position, 12.0, {}, first); })
 						.ok());
 		CHECK(first[0].instance.id != nearest->id);
 	}
@@ -148,12 +154,12 @@ TEST_CASE("planet queries: an instance is within the height range of the cell th
 TEST_CASE("planet queries: rays hit instances on planets") {
 	PlanetWorld planet;
 	const std::vector<PlacedInstance> all = planet.all();
-	PlanetWorld fresh;
+	PlanetWorld fresh_world;
 	for (std::size_t i = 0; i < all.size(); i += 211) {
 		const glm::dvec3 up = glm::normalize(all[i].position);
 		const glm::dvec3 from = all[i].position + 30.0 * up;
 		std::vector<RayHit> hit;
-		REQUIRE(fresh.world
+		REQUIRE(fresh_world.world
 						.answer([&](const InstanceQuery &query) {
 							return query.on_ray(from, all[i].position, {}, hit);
 						})
@@ -165,7 +171,8 @@ TEST_CASE("planet queries: rays hit instances on planets") {
 	// This ray passes through the whole planet.
 	std::vector<RayHit> hit;
 	const glm::dvec3 start = all.front().position + 2.5 * glm::normalize(all.front().position);
-	REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.on_ray(start, -2.0 * start, {}, hit); })
+	REQUIRE(fresh_world.world
+					.answer([&](const InstanceQuery &query) { return query.on_ray(start, -2.0 * start, {}, hit); })
 					.ok());
 	CHECK(hit.size() == 1);
 }
@@ -173,9 +180,9 @@ TEST_CASE("planet queries: rays hit instances on planets") {
 TEST_CASE("planet queries: requests generate only the cubes that they need") {
 	PlanetWorld planet;
 	QueryRequests requests;
-	std::int64_t number = 0;
+	std::int64_t index = 0;
 	const glm::dvec3 position(0.0, -planet_radius, 0.0);
-	REQUIRE(requests.add(planet.world, QueryRequests::Sphere{position, 8.0}, {}, number).ok());
+	REQUIRE(requests.add(planet.world, QueryRequests::Sphere{position, 8.0}, {}, index).ok());
 	CHECK(requests.frame(planet.world).empty());
 	const std::vector<WorldTile> missing = planet.world.take_missing();
 	CHECK(missing.size() >= 4);
@@ -194,13 +201,13 @@ TEST_CASE("planet queries: bodies appear around a walker at the equator and at t
 		PlanetWorld planet;
 		NearQueue queue;
 		queue.set_distances(std::vector<double>{10.0});
-		std::set<std::uint64_t> held;
+		std::set<std::uint64_t> held_ids;
 		const std::vector<glm::dvec3> centers{position};
 		for (int frame = 0; frame < 60; ++frame) {
 			queue.find_changes(centers, planet.world);
 			PlacedInstance entering;
 			while (queue.next_entering(entering)) {
-				CHECK(held.insert(entering.id).second);
+				CHECK(held_ids.insert(entering.id).second);
 				CHECK(glm::distance(entering.position, position) <= 10.0 * NearQueue::enter_factor);
 			}
 			for (const WorldTile &tile : planet.world.take_missing()) {
@@ -211,7 +218,7 @@ TEST_CASE("planet queries: bodies appear around a walker at the equator and at t
 		std::size_t expected = 0;
 		for (const PlacedInstance &each : all) {
 			expected += glm::distance(each.position, position) <= 10.0 ? 1 : 0;
-			CHECK((glm::distance(each.position, position) > 10.0 || held.contains(each.id)));
+			CHECK((glm::distance(each.position, position) > 10.0 || held_ids.contains(each.id)));
 		}
 		CHECK(expected > 30);
 	}

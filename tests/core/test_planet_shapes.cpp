@@ -50,8 +50,8 @@ Shape drawn(ShapeKind kind, const std::vector<glm::dvec3> &points) {
 }
 
 /// Returns a direction at an angle from the first of the axes, toward the second one.
-glm::dvec3 rotated(const glm::dvec3 &from, const glm::dvec3 &to, double angle) {
-	return std::cos(angle) * from + std::sin(angle) * to;
+glm::dvec3 rotated(const glm::dvec3 &from, const glm::dvec3 &target, double angle) {
+	return std::cos(angle) * from + std::sin(angle) * target;
 }
 
 glm::dvec3 random_direction(std::mt19937 &random) { return random_axes(random)[0]; }
@@ -64,15 +64,15 @@ TEST_CASE("planet shapes: a map keeps lengths in its middle, and angles everywhe
 		const glm::dmat3 axes = random_axes(random);
 		const PlanetMap map(planet, planet.center + 130.0 * axes[0]);
 		CHECK(glm::length(map.at(planet.center + 7.0 * axes[0])) < 1e-9);
-		const glm::dvec3 there = rotated(axes[0], axes[1], 0.02 * i);
-		const glm::dvec2 position = map.at(planet.center + 250.0 * there);
-		CHECK(glm::distance(map.direction(position), there) < 1e-12);
+		const glm::dvec3 shifted = rotated(axes[0], axes[1], 0.02 * i);
+		const glm::dvec2 position = map.at(planet.center + 250.0 * shifted);
+		CHECK(glm::distance(map.direction(position), shifted) < 1e-12);
 		CHECK(map.contains(position) == (0.02 * i < 150.0 * std::numbers::pi / 180.0));
 		if (!map.contains(position)) {
 			continue;
 		}
 		for (const glm::dvec3 &aside :
-				{rotated(axes[0], axes[1], 0.02 * i + 1e-6), glm::normalize(there + 1e-6 * axes[2])}) {
+				{rotated(axes[0], axes[1], 0.02 * i + 1e-6), glm::normalize(shifted + 1e-6 * axes[2])}) {
 			const double length = glm::distance(map.at(planet.center + aside), position);
 			CHECK(length / (1e-6 * planet.radius) == doctest::Approx(map.scale(position)).epsilon(1e-4));
 		}
@@ -107,9 +107,10 @@ TEST_CASE("planet shapes: a cylinder covers the same area wherever it is placed,
 		shape.falloff = i % 2 == 0 ? 0.0 : 4.0;
 		const ShapeSet set = set_of({shape});
 		for (const double altitude : {-90.0, -20.0, 0.0, 20.0, 80.0}) {
-			for (const double away : {0.0, 5.0, 9.5, 11.9, 12.1, 20.0, 119.0}) {
-				const glm::dvec3 up = rotated(axes[0], axes[1 + i % 2], std::asin(away / 120.0));
-				const double expected = shape.falloff > 0.0 ? std::clamp((12.0 - away) / 4.0, 0.0, 1.0) : away < 12.0;
+			for (const double distance : {0.0, 5.0, 9.5, 11.9, 12.1, 20.0, 119.0}) {
+				const glm::dvec3 up = rotated(axes[0], axes[1 + i % 2], std::asin(distance / 120.0));
+				const double expected =
+						shape.falloff > 0.0 ? std::clamp((12.0 - distance) / 4.0, 0.0, 1.0) : distance < 12.0;
 				CHECK(density_of(set, planet.center + (100.0 + altitude) * up) == doctest::Approx(expected));
 				CHECK(density_of(set, planet.center - (100.0 + altitude) * up) == 0.0);
 			}
@@ -136,19 +137,20 @@ TEST_CASE("planet shapes: polygons and paths that are rotated about the center c
 			return set_of({shape});
 		};
 		const ShapeSet top = set_for(glm::dmat3(1.0));
-		int inside = 0;
+		int inside_count = 0;
 		for (int i = 0; i < 100; ++i) {
 			const glm::dmat3 axes = random_axes(random);
-			const ShapeSet there = set_for(axes);
+			const ShapeSet rotated_set = set_for(axes);
 			for (int k = 0; k < 40; ++k) {
 				const glm::dvec3 position =
 						(100.0 + k) * glm::normalize(rotated({0, 1, 0}, random_direction(random), angle(random)));
 				const double expected = density_of(top, planet.center + position);
-				CHECK(density_of(there, planet.center + axes * position) == doctest::Approx(expected).epsilon(1e-6));
-				inside += expected > 0.0 ? 1 : 0;
+				CHECK(density_of(rotated_set, planet.center + axes * position) ==
+						doctest::Approx(expected).epsilon(1e-6));
+				inside_count += expected > 0.0 ? 1 : 0;
 			}
 		}
-		CHECK(inside > 100);
+		CHECK(inside_count > 100);
 	}
 }
 
@@ -157,14 +159,14 @@ TEST_CASE("planet shapes: a path around a planet has the same width everywhere")
 	for (int i = 0; i < 50; ++i) {
 		const glm::dmat3 axes = random_axes(random);
 		std::vector<glm::dvec3> points;
-		for (double along = -2.3; along < 2.3; along += 0.002) {
-			points.push_back(planet.center + planet.radius * rotated(axes[0], axes[1], along));
+		for (double angle = -2.3; angle < 2.3; angle += 0.002) {
+			points.push_back(planet.center + planet.radius * rotated(axes[0], axes[1], angle));
 		}
 		Shape shape = drawn(ShapeKind::path, points);
 		shape.half_size.x = 2.0;
 		const ShapeSet set = set_of({shape});
-		for (double along = -2.2; along <= 2.2; along += 0.1) {
-			const glm::dvec3 on_way = rotated(axes[0], axes[1], along);
+		for (double angle = -2.2; angle <= 2.2; angle += 0.1) {
+			const glm::dvec3 on_way = rotated(axes[0], axes[1], angle);
 			for (const double side : {-2.05, -1.95, 0.0, 1.95, 2.05}) {
 				const glm::dvec3 position = planet.center + 130.0 * rotated(on_way, axes[2], side / planet.radius);
 				CHECK(density_of(set, position) == (std::abs(side) < 2.0 ? 1.0 : 0.0));
@@ -213,8 +215,9 @@ TEST_CASE("planet shapes: the bounds and the edited areas contain everything tha
 			const glm::dvec3 position = planet.center + (100.0 + 99.0 * any(random)) * direction;
 			const glm::dvec2 at = map.at(position);
 			on_map.half_size.x = flat ? map.scale(at) * shape.half_size.x : on_map.half_size.x;
-			const glm::dvec3 seen = flat ? glm::dvec3(at.x, 0.0, at.y) : map.at_middle(position);
-			const bool affected = density_of(set_of({on_map}), seen) > 0.0 && (flat ? map.contains(at) : seen.y > 0.0);
+			const glm::dvec3 expected = flat ? glm::dvec3(at.x, 0.0, at.y) : map.at_middle(position);
+			const bool affected =
+					density_of(set_of({on_map}), expected) > 0.0 && (flat ? map.contains(at) : expected.y > 0.0);
 			CHECK((density_of(set, position) > 0.0) == affected);
 			if (affected) {
 				CHECK(std::ranges::any_of(

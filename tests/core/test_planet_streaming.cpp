@@ -65,22 +65,22 @@ TEST_CASE("tile ball: a ball contains the cubes that touch it, and lists those t
 	const StreamLayer layer{.tile_size = 4.0, .view_distance = 40.0, .bottom = -21.0, .top = 30.0};
 	for (int round = 0; round < 30; ++round) {
 		const glm::dvec3 center = glm::dvec3(unit(random), unit(random), unit(random)) * 10.0;
-		const double reach = 25.0 * std::abs(unit(random));
+		const double radius = 25.0 * std::abs(unit(random));
 		TileBall ball;
-		ball.set(layer, center, reach);
+		ball.set(layer, center, radius);
 		TileBall other;
 		other.set(layer, center + glm::dvec3(unit(random), unit(random), unit(random)) * 20.0, 15.0);
 		const auto all = tiles_without(ball, TileBall());
-		const auto rest = tiles_without(ball, other);
+		const auto remaining = tiles_without(ball, other);
 		for (int z = -12; z <= 12; ++z) {
 			for (int y = -12; y <= 12; ++y) {
 				for (int x = -12; x <= 12; ++x) {
 					const double distance = std::sqrt(distance_squared(tile_space(4.0, {x, y}, z), center));
 					const bool in = all.contains({x, y, z});
 					const bool high = -6 <= z && z <= 7; // The slabs from -21 to 30 m.
-					CHECK((std::abs(distance - reach) < 1e-6 || in == (distance <= reach && high)));
+					CHECK((std::abs(distance - radius) < 1e-6 || in == (distance <= radius && high)));
 					CHECK(ball.contains({x, y, z}) == in);
-					CHECK(rest.contains({x, y, z}) == (in && !other.contains({x, y, z})));
+					CHECK(remaining.contains({x, y, z}) == (in && !other.contains({x, y, z})));
 				}
 			}
 		}
@@ -98,20 +98,20 @@ TEST_CASE("planet streaming: cubes are wanted by their distances in space") {
 	for (const glm::dvec3 position : {glm::dvec3(0, 380, 0), glm::dvec3(0, 300, 0), glm::dvec3(380, 0, 3),
 				 glm::dvec3(0, -390, 0), glm::dvec3(0, -390, 30)}) {
 		stage.settle({{position.x, position.z}, 1.0, position.y});
-		std::size_t near = 0;
+		std::size_t near_count = 0;
 		for (int slab = -25; slab < 25; ++slab) {
 			for (int z = -10; z <= 10; ++z) {
 				for (int x = -10; x <= 40; ++x) {
-					const double away = std::sqrt(distance_squared(tile_space(16.0, {x, z}, slab), position));
+					const double distance = std::sqrt(distance_squared(tile_space(16.0, {x, z}, slab), position));
 					const bool visible = stage.visible.contains({x, z, slab});
-					CHECK((away > 70.0 || visible));
-					CHECK((away < 1.1 * 70.0 + 16.0 + 4.0 || !visible));
-					near += away <= 70.0 ? 1 : 0;
+					CHECK((distance > 70.0 || visible));
+					CHECK((distance < 1.1 * 70.0 + 16.0 + 4.0 || !visible));
+					near_count += distance <= 70.0 ? 1 : 0;
 				}
 			}
 		}
-		CHECK(stage.visible.size() >= near);
-		CHECK(stage.visible.size() < 3 * near);
+		CHECK(stage.visible.size() >= near_count);
+		CHECK(stage.visible.size() < 3 * near_count);
 	}
 	stage.settle({{0.0, 0.0}, 1.0, 1000.0}); // This viewer is far from all tiles.
 	CHECK(stage.visible.empty());
@@ -127,16 +127,16 @@ TEST_CASE("planet streaming: cubes without ground are not streamed, also after t
 			for (int z = -10; z <= 10; ++z) {
 				for (int x = 0; x <= 40; ++x) {
 					const TileSpace space = tile_space(16.0, {x, z}, slab);
-					bool near = false;
-					bool far = false;
+					bool is_near = false;
+					bool is_far = false;
 					for (int corner = 0; corner < 8; ++corner) {
 						const glm::dvec3 at((corner & 1) != 0 ? space.min.x : space.max.x,
 								(corner & 2) != 0 ? space.bottom : space.top,
 								(corner & 4) != 0 ? space.min.y : space.max.y);
-						far = far || glm::length(at) >= nearest;
+						is_far = is_far || glm::length(at) >= nearest;
 					}
-					near = distance_squared(space, glm::dvec3(0.0)) <= farthest * farthest;
-					if (near && far && distance_squared(space, glm::dvec3(300.0, 3.0, 0.0)) <= 70.0 * 70.0) {
+					is_near = distance_squared(space, glm::dvec3(0.0)) <= farthest * farthest;
+					if (is_near && is_far && distance_squared(space, glm::dvec3(300.0, 3.0, 0.0)) <= 70.0 * 70.0) {
 						expected.emplace(x, z, slab);
 					}
 				}
@@ -149,11 +149,11 @@ TEST_CASE("planet streaming: cubes without ground are not streamed, also after t
 		return expected.size();
 	};
 	SpaceStage all(layer);
-	const std::size_t whole = check_shell(all, 0.0, 1e9);
+	const std::size_t whole_count = check_shell(all, 0.0, 1e9);
 	layer.nearest = 295.0;
 	layer.farthest = 310.0;
 	SpaceStage stage(layer);
-	CHECK(2 * check_shell(stage, 295.0, 310.0) < whole);
+	CHECK(2 * check_shell(stage, 295.0, 310.0) < whole_count);
 	CHECK(2 * stage.visible.size() < all.visible.size());
 	layer.farthest = 330.0;
 	REQUIRE(stage.streamer.set_layers({&layer, 1}).ok());

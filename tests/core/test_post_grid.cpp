@@ -58,13 +58,13 @@ template <typename Post>
 void check_patched(glm::ivec2 count, const std::vector<Post> &before, std::vector<Post> after, const PixelRect &rect,
 		FloatPosts meaning) {
 	std::vector<Post> all = before;
-	std::vector<Post> part;
+	std::vector<Post> patch_posts;
 	for (int row = rect.min.y; row < rect.max.y; ++row) {
 		for (int column = rect.min.x; column < rect.max.x; ++column) {
 			const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(count.x) +
 					static_cast<std::size_t>(column);
 			all[at] = after[at];
-			part.push_back(after[at]);
+			patch_posts.push_back(after[at]);
 		}
 	}
 	Heightfield expected;
@@ -72,9 +72,9 @@ void check_patched(glm::ivec2 count, const std::vector<Post> &before, std::vecto
 	Heightfield original;
 	REQUIRE(original.set_posts(frame_of(count), shared(count, before, meaning)).ok());
 	Heightfield patched = original;
-	REQUIRE(patched.patch(rect, std::span<const Post>(part)).ok());
-	Heightfield fresh;
-	REQUIRE(fresh.set_posts(frame_of(count), shared(count, before, meaning)).ok());
+	REQUIRE(patched.patch(rect, std::span<const Post>(patch_posts)).ok());
+	Heightfield rebuilt;
+	REQUIRE(rebuilt.set_posts(frame_of(count), shared(count, before, meaning)).ok());
 
 	std::vector<Rect> areas;
 	patched.add_changes(original, areas);
@@ -83,26 +83,26 @@ void check_patched(glm::ivec2 count, const std::vector<Post> &before, std::vecto
 	for (int i = 0; i < 4000; ++i) {
 		const Rect area = frame_of(count).area;
 		const glm::dvec2 at = area.min + glm::dvec2(unit(random), unit(random)) * area.size();
-		const Ground now = patched.at(at);
-		const Ground then = original.at(at);
+		const Ground patched_ground = patched.at(at);
+		const Ground original_ground = original.at(at);
 		const auto same = [](const Ground &a, const Ground &b) {
 			return std::memcmp(&a.height, &b.height, sizeof a.height) == 0 &&
 					(std::isnan(a.height) || a.normal == b.normal);
 		};
-		CHECK(same(now, expected.at(at)));
-		CHECK(same(then, fresh.at(at)));
-		if (!same(now, then)) {
-			const auto around = [at](const Rect &rect) {
+		CHECK(same(patched_ground, expected.at(at)));
+		CHECK(same(original_ground, rebuilt.at(at)));
+		if (!same(patched_ground, original_ground)) {
+			const auto contains_at = [at](const Rect &rect) {
 				return at.x >= rect.min.x && at.x <= rect.max.x && at.y >= rect.min.y && at.y <= rect.max.y;
 			};
-			CHECK(std::ranges::any_of(areas, around));
+			CHECK(std::ranges::any_of(areas, contains_at));
 		}
 	}
 	CHECK((std::memcmp(all.data(), before.data(), all.size() * sizeof(Post)) != 0) == !areas.empty());
-	std::vector<Rect> none;
-	patched.add_changes(expected, none);
-	expected.add_changes(patched, none);
-	CHECK(none.empty());
+	std::vector<Rect> no_rects;
+	patched.add_changes(expected, no_rects);
+	expected.add_changes(patched, no_rects);
+	CHECK(no_rects.empty());
 }
 
 } // namespace
@@ -133,24 +133,24 @@ TEST_CASE("post grid: patches accumulate, and each copy has its own patches") {
 	for (int i = 0; i < 60; ++i) {
 		const glm::ivec2 from(static_cast<int>(random() % 390), static_cast<int>(random() % 290));
 		const glm::ivec2 size(1 + static_cast<int>(random() % 10), 1 + static_cast<int>(random() % 10));
-		std::vector<std::uint16_t> part;
+		std::vector<std::uint16_t> patch_posts;
 		for (int row = 0; row < size.y; ++row) {
 			for (int column = 0; column < size.x; ++column) {
-				part.push_back(static_cast<std::uint16_t>(random()));
-				steps[static_cast<std::size_t>((from.y + row) * count.x + from.x + column)] = part.back();
+				patch_posts.push_back(static_cast<std::uint16_t>(random()));
+				steps[static_cast<std::size_t>((from.y + row) * count.x + from.x + column)] = patch_posts.back();
 			}
 		}
-		grid.patch({from, from + size}, part);
+		grid.patch({from, from + size}, patch_posts);
 	}
-	std::size_t wrong = 0;
+	std::size_t wrong_count = 0;
 	std::vector<std::uint16_t> before = random_steps(posts, 5);
 	for (int row = 0; row < count.y; ++row) {
 		for (int column = 0; column < count.x; ++column) {
 			const auto at = static_cast<std::size_t>(row * count.x + column);
-			wrong += grid.at({column, row}) != steps[at] || untouched.at({column, row}) != before[at] ? 1 : 0;
+			wrong_count += grid.at({column, row}) != steps[at] || untouched.at({column, row}) != before[at] ? 1 : 0;
 		}
 	}
-	CHECK(wrong == 0);
+	CHECK(wrong_count == 0);
 	CHECK(grid.flattened() == steps);
 	CHECK(untouched.flattened() == before);
 }
@@ -164,11 +164,11 @@ TEST_CASE("post grid: changes are found block by block") {
 	edited[999 * 1000 + 999] = 2.0F;
 	const PostGrid<float> before(count, std::make_shared<const std::vector<float>>(flat));
 	const PostGrid<float> after(count, std::make_shared<const std::vector<float>>(edited));
-	std::vector<PixelRect> changed;
-	after.add_changes(before, changed);
-	REQUIRE(changed.size() == 2);
-	CHECK(changed[0] == PixelRect{{30, 20}, {35, 24}});
-	CHECK(changed[1] == PixelRect{{999, 999}, {1000, 1000}});
+	std::vector<PixelRect> changed_rects;
+	after.add_changes(before, changed_rects);
+	REQUIRE(changed_rects.size() == 2);
+	CHECK(changed_rects[0] == PixelRect{{30, 20}, {35, 24}});
+	CHECK(changed_rects[1] == PixelRect{{999, 999}, {1000, 1000}});
 }
 
 TEST_CASE("heightfield: a rejected patch has no effect") {

@@ -26,25 +26,25 @@ def same(one, other) -> bool:
 def test_points_in_a_polygon(poissontiles):
     lake = Polygon([(-10, -10), (40, -5), (45, 50), (10, 20)], holes=[[(20, 10), (30, 10), (25, 20)]])
     all_points = poissontiles.sample(RECT, 1.0, 5, levels=3)
-    inside = poissontiles.sample(RECT, 1.0, 5, levels=3, within=lake)
+    lake_points = poissontiles.sample(RECT, 1.0, 5, levels=3, within=lake)
     expected = [lake.contains(Point(*position)) for position in all_points]
-    assert same(inside, all_points[expected]) and 500 < len(inside) < len(all_points)
+    assert same(lake_points, all_points[expected]) and 500 < len(lake_points) < len(all_points)
     # Without a rectangle, the polygon's own is used.
-    assert same(poissontiles.sample(None, 1.0, 5, levels=3, within=lake), inside)
+    assert same(poissontiles.sample(None, 1.0, 5, levels=3, within=lake), lake_points)
     assert len(poissontiles.sample(None, 1.0, 5, within=lake, n=100)) == 100
 
 
 def test_kinds_of_polygons(poissontiles):
     one, other = Point(0, 0).buffer(9), Point(30, 0).buffer(6)
-    both = poissontiles.sample(None, 1.0, within=MultiPolygon([one, other]))
+    union_points = poissontiles.sample(None, 1.0, within=MultiPolygon([one, other]))
     features = [{"type": "Feature", "properties": {}, "geometry": mapping(each)} for each in (one, other)]
     collection = json.loads(json.dumps({"type": "FeatureCollection", "features": features}))
-    assert same(both, poissontiles.sample(None, 1.0, within=collection)) and len(both) > 150
+    assert same(union_points, poissontiles.sample(None, 1.0, within=collection)) and len(union_points) > 150
 
     class Series:
         __geo_interface__ = collection
 
-    assert same(both, poissontiles.sample(None, 1.0, within=Series()))
+    assert same(union_points, poissontiles.sample(None, 1.0, within=Series()))
     assert same(poissontiles.sample(None, 1.0, within=features[0]), poissontiles.sample(None, 1.0, within=one))
     assert len(poissontiles.sample(None, 1.0, within=Polygon())) == 0
 
@@ -68,8 +68,8 @@ def test_wrong_polygons_raise(poissontiles, within, error, message):
 def test_polygons_need_shapely(wheel_python):
     """The environment of `wheel_python` contains only the package and NumPy."""
     text = "import poissontiles; poissontiles.sample((0, 0, 9, 9), 1.0, within={'type': 'Polygon', 'coordinates': []})"
-    done = subprocess.run([wheel_python, "-c", text], capture_output=True, text=True, timeout=60)
-    assert "ImportError: within requires the package shapely: pip install 'poissontiles[areas]'" in done.stderr
+    result = subprocess.run([wheel_python, "-c", text], capture_output=True, text=True, timeout=60)
+    assert "ImportError: within requires the package shapely: pip install 'poissontiles[areas]'" in result.stderr
 
 
 def test_fixed_points_are_kept(poissontiles):
@@ -77,14 +77,14 @@ def test_fixed_points_are_kept(poissontiles):
     random = np.random.default_rng(3)
     fixed = np.column_stack([random.uniform(-40, 60, (150, 2)), random.uniform(0.3, 4.0, 150)])
     points = poissontiles.sample(RECT, 1.0, 7, fixed=fixed)
-    apart = np.linalg.norm(points.positions[:, None] - fixed[None, :, :2], axis=2)
-    assert (apart >= fixed[:, 2]).all() and len(points) > 2000
+    distances = np.linalg.norm(points.positions[:, None] - fixed[None, :, :2], axis=2)
+    assert (distances >= fixed[:, 2]).all() and len(points) > 2000
     assert cKDTree(points.positions).query(points.positions, k=2)[0][:, 1].min() >= 1.0
     # Sampled places that keep the distances from all fixed points have a new point within the radius.
     wider = poissontiles.sample((-32, -22, 52, 62), 1.0, 7, fixed=fixed)
     places = random.uniform(RECT[:2], RECT[2:], (20000, 2))
-    free = (np.linalg.norm(places[:, None] - fixed[None, :, :2], axis=2) >= fixed[:, 2]).all(axis=1)
-    assert free.sum() > 10000 and cKDTree(wider.positions).query(places[free])[0].max() < 1.0
+    is_free = (np.linalg.norm(places[:, None] - fixed[None, :, :2], axis=2) >= fixed[:, 2]).all(axis=1)
+    assert is_free.sum() > 10000 and cKDTree(wider.positions).query(places[is_free])[0].max() < 1.0
     # The set without fixed points loses more points than it has to.
     thinned = poissontiles.sample(RECT, 1.0, 7)
     thinned = thinned[(np.linalg.norm(thinned.positions[:, None] - fixed[None, :, :2], axis=2) >= fixed[:, 2]).all(axis=1)]
@@ -93,12 +93,12 @@ def test_fixed_points_are_kept(poissontiles):
 
 def test_windows_around_fixed_points_fit_together(poissontiles):
     fixed = np.random.default_rng(4).uniform(-60, 90, (400, 2))
-    whole = poissontiles.sample(RECT, 1.5, 8, fixed=fixed)
+    full_sample = poissontiles.sample(RECT, 1.5, 8, fixed=fixed)
     parts = [poissontiles.sample((x, y, x + 20, y + 20), 1.5, 8, fixed=fixed) for x in range(-30, 50, 20) for y in range(-20, 60, 20)]
-    assert np.array_equal(np.sort(whole.ids), np.sort(np.concatenate([part.ids for part in parts])))
-    assert same(whole, poissontiles.sample(RECT, 1.5, 8, fixed=fixed[::-1], threads=2))
+    assert np.array_equal(np.sort(full_sample.ids), np.sort(np.concatenate([part.ids for part in parts])))
+    assert same(full_sample, poissontiles.sample(RECT, 1.5, 8, fixed=fixed[::-1], threads=2))
     # The default distance is the radius.
-    assert same(whole, poissontiles.sample(RECT, 1.5, 8, fixed=np.column_stack([fixed, np.full(400, 1.5)])))
+    assert same(full_sample, poissontiles.sample(RECT, 1.5, 8, fixed=np.column_stack([fixed, np.full(400, 1.5)])))
     assert same(poissontiles.sample(RECT, 1.5, 8, fixed=[]), poissontiles.sample(RECT, 1.5, 8))
 
 
@@ -130,11 +130,11 @@ def test_a_torus(poissontiles, period, levels):
     places = np.random.default_rng(5).uniform((0, 0), size, (50000, 2))
     assert tree.query(places)[0].max() < radius
     start = 0.37 * radius
-    moved = poissontiles.sample((start - size[0], start, start, start + size[1]), radius, 11, levels=levels, period=period)
-    assert np.array_equal(np.sort(moved.ids), np.sort(torus.ids))
+    shifted = poissontiles.sample((start - size[0], start, start, start + size[1]), radius, 11, levels=levels, period=period)
+    assert np.array_equal(np.sort(shifted.ids), np.sort(torus.ids))
     strip = poissontiles.sample((0, -200, 30, 200), 0.5 * 2**0.5, 3, period=(10.0, 0))
-    one = poissontiles.sample((0, -200, 10, 200), 0.5 * 2**0.5, 3, period=(10.0, 0))
-    assert len(one) == len(np.unique(one.ids)) == len(np.unique(strip.ids)) == len(strip) / 3
+    single_column = poissontiles.sample((0, -200, 10, 200), 0.5 * 2**0.5, 3, period=(10.0, 0))
+    assert len(single_column) == len(np.unique(single_column.ids)) == len(np.unique(strip.ids)) == len(strip) / 3
 
 
 def test_a_domain_of_tiles(poissontiles):
@@ -193,11 +193,11 @@ def test_wrong_maps_raise(poissontiles, arguments, error, message):
 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_tiles_are_the_whole_set(poissontiles, threads):
-    whole = poissontiles.sample(RECT, 1.0, 9, levels=2)
+    full_sample = poissontiles.sample(RECT, 1.0, 9, levels=2)
     parts = list(poissontiles.tiles(RECT, 32, 1.0, 9, levels=2, threads=threads))
     assert [rect for rect, _ in parts][:4] == [(-30, -20, 0, 0), (0, -20, 32, 0), (32, -20, 50, 0), (-30, 0, 0, 32)]
     assert len(parts) == 9 and all(len(points) for _, points in parts)
-    assert np.array_equal(np.sort(whole.ids), np.sort(np.concatenate([points.ids for _, points in parts])))
+    assert np.array_equal(np.sort(full_sample.ids), np.sort(np.concatenate([points.ids for _, points in parts])))
     for rect, points in parts:
         assert (points.positions >= rect[:2]).all() and (points.positions < rect[2:]).all()
     assert len({points.seed for _, points in poissontiles.tiles(RECT, 32, 1.0, None)}) == 1

@@ -43,14 +43,14 @@ def test_wheel(wheel):
 
 @pytest.mark.parametrize("example", re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
 def test_examples_of_the_page_run(wheel_python, example):
-    done = script(wheel_python, example)
-    assert done.returncode == 0 and not done.stderr and re.search(r"\d", done.stdout), done.stdout + done.stderr
+    result = script(wheel_python, example)
+    assert result.returncode == 0 and not result.stderr and re.search(r"\d", result.stdout), result.stdout + result.stderr
 
 
 def test_example_of_the_documentation_runs(wheel_python):
     (example,) = re.findall(r"^```python\n(.*?)^```", (REPO / "docs/howto/python.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-    done = script(wheel_python, example)
-    assert done.returncode == 0 and re.search(r"^\d{4} points", done.stdout), done.stdout + done.stderr
+    result = script(wheel_python, example)
+    assert result.returncode == 0 and re.search(r"^\d{4} points", result.stdout), result.stdout + result.stderr
 
 
 @pytest.mark.parametrize("one", SETS, ids=lambda one: one.name)
@@ -70,8 +70,8 @@ def test_sets(poissontiles, one):
 
 def test_no_two_points_are_too_close(poissontiles):
     positions = poissontiles.sample((-1e6, 5e5, -1e6 + 60, 5e5 + 40), 1.0, 3, levels=3).positions
-    apart = np.hypot(*(positions[:, None] - positions[None, :]).transpose(2, 0, 1))
-    assert apart[~np.eye(len(positions), dtype=bool)].min() >= 1.0
+    distances = np.hypot(*(positions[:, None] - positions[None, :]).transpose(2, 0, 1))
+    assert distances[~np.eye(len(positions), dtype=bool)].min() >= 1.0
 
 
 @pytest.mark.parametrize("precision", ["single", "double"])
@@ -125,15 +125,15 @@ def test_points_on_a_surface(poissontiles):
 
 def test_windows_of_a_surface_fit_together(poissontiles):
     vertices, faces = ball(12.0, 24)
-    whole = poissontiles.sample_surface(vertices, faces, 1.0, 3, levels=3)
-    assert set(whole.levels) == {0, 1, 2} and (np.diff(whole.levels[np.argsort(whole.ranks)].astype(int)) <= 0).all()
+    full_sample = poissontiles.sample_surface(vertices, faces, 1.0, 3, levels=3)
+    assert set(full_sample.levels) == {0, 1, 2} and (np.diff(full_sample.levels[np.argsort(full_sample.ranks)].astype(int)) <= 0).all()
     halves = [
         poissontiles.sample_surface(vertices.astype(np.float64), faces.astype(kind), 1.0, 3, levels=3, window=window)
         for kind, window in ((np.int32, (-50, -50, -50, 2.5, 50, 50)), (np.uint32, np.array([2.5, -50, -50, 50, 50, 50])))
     ]
-    assert all(len(half) > 100 for half in halves) and len(halves[0]) + len(halves[1]) == len(whole)
-    found = {number: place.tobytes() for half in halves for number, place in zip(half.ids, half.positions, strict=True)}
-    assert found == {number: place.tobytes() for number, place in zip(whole.ids, whole.positions, strict=True)}
+    assert all(len(half) > 100 for half in halves) and len(halves[0]) + len(halves[1]) == len(full_sample)
+    positions_by_id = {point_id: position.tobytes() for half in halves for point_id, position in zip(half.ids, half.positions, strict=True)}
+    assert positions_by_id == {point_id: position.tobytes() for point_id, position in zip(full_sample.ids, full_sample.positions, strict=True)}
 
 
 def test_points_on_a_surface_without_faces(poissontiles):
@@ -152,11 +152,11 @@ def test_arrays_are_contiguous_and_read_only(poissontiles):
         assert array.flags.c_contiguous and not array.flags.writeable
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
-    kept = [array[-5:] for array in arrays]
-    copied = [array.copy() for array in kept]
+    tails = [array[-5:] for array in arrays]
+    copied = [array.copy() for array in tails]
     del points, surface, domain, arrays
-    others = [poissontiles.sample((0, 0, 300, 300), 1.0, seed) for seed in range(1, 4)]
-    assert all((one == other).all() for one, other in zip(kept, copied, strict=True)) and all(map(len, others))
+    other_sets = [poissontiles.sample((0, 0, 300, 300), 1.0, seed) for seed in range(1, 4)]
+    assert all((one == other).all() for one, other in zip(tails, copied, strict=True)) and all(map(len, other_sets))
 
 
 def test_points_behave_like_numpy_arrays(poissontiles):
@@ -168,17 +168,17 @@ def test_points_behave_like_numpy_arrays(poissontiles):
         coarse = points[points.ranks < 2**31]
         assert type(coarse) is type(points) and 0 < len(coarse) < len(points)
         assert (coarse.ids == points.ids[points.ranks < 2**31]).all() and coarse.seed == points.seed
-        for part in (points[10:20], points[list(range(10, 20))], points[np.arange(10, 20)]):
-            assert (part.ids == points.ids[10:20]).all() and (part.positions == points.positions[10:20]).all()
+        for subset in (points[10:20], points[list(range(10, 20))], points[np.arange(10, 20)]):
+            assert (subset.ids == points.ids[10:20]).all() and (subset.positions == points.positions[10:20]).all()
         assert len(points[:0]) == 0
         for wrong in ((1, 0), np.zeros((2, 2), int), None, "ids"):
             with pytest.raises(IndexError):
                 points[wrong]
         with pytest.raises(IndexError):
             points[len(points)]
-        loaded = pickle.loads(pickle.dumps(points))
-        assert type(loaded) is type(points) and loaded.seed == points.seed and not loaded.positions.flags.writeable
-        assert (loaded.ids == points.ids).all() and (loaded.positions == points.positions).all()
+        unpickled = pickle.loads(pickle.dumps(points))
+        assert type(unpickled) is type(points) and unpickled.seed == points.seed and not unpickled.positions.flags.writeable
+        assert (unpickled.ids == points.ids).all() and (unpickled.positions == points.positions).all()
 
 
 def test_first_points(poissontiles):
@@ -267,9 +267,9 @@ def test_seeds_of_numpy(poissontiles):
     assert poissontiles.sample(rect, 1.0, generator).digest() != poissontiles.sample(rect, 1.0, generator).digest()
     sequence = np.random.SeedSequence(4)
     assert poissontiles.sample(rect, 1.0, sequence).seed == poissontiles.sample(rect, 1.0, sequence).seed
-    fresh = [poissontiles.sample(rect, 1.0, None) for _ in range(2)]
-    assert fresh[0].seed != fresh[1].seed and 0 <= fresh[0].seed < 2**64
-    assert poissontiles.sample(rect, 1.0, fresh[0].seed).digest() == fresh[0].digest()
+    samples = [poissontiles.sample(rect, 1.0, None) for _ in range(2)]
+    assert samples[0].seed != samples[1].seed and 0 <= samples[0].seed < 2**64
+    assert poissontiles.sample(rect, 1.0, samples[0].seed).digest() == samples[0].digest()
 
 
 REFUSED = [
@@ -371,21 +371,21 @@ def test_other_threads_run_during_a_call(poissontiles, work):
 
     ticker = threading.Thread(target=tick)
     ticker.start()
-    begun = time.perf_counter()
+    start = time.perf_counter()
     work(poissontiles)
-    took = time.perf_counter() - begun
+    took = time.perf_counter() - start
     end.set()
     ticker.join()
-    middle = [each for each in ticks if begun + 0.1 * took < each < begun + 0.9 * took]
+    middle = [each for each in ticks if start + 0.1 * took < each < start + 0.9 * took]
     assert took > 0.2 and len(middle) > 20
 
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_progress(poissontiles, work):
     seen: list[tuple[float, int, int]] = []
-    made = work(poissontiles, progress=lambda fraction, points: seen.append((fraction, points, threading.get_ident())))
+    sample_set = work(poissontiles, progress=lambda fraction, points: seen.append((fraction, points, threading.get_ident())))
     assert len(seen) > 5 and seen == sorted(seen) and seen[0][0] < 0.5
-    assert seen[-1][:2] == (1.0, len(made)) and {each[2] for each in seen} == {threading.get_ident()}
+    assert seen[-1][:2] == (1.0, len(sample_set)) and {each[2] for each in seen} == {threading.get_ident()}
 
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
@@ -477,8 +477,8 @@ def test_the_package_is_typed(wheel_python, tmp_path):
         [sys.executable, "-m", "venv", venv],
         [venv / "bin/python", "-m", "pip", "install", "--quiet", "mypy==1.18.2"],
     ):
-        done = run(command, timeout=300)
-        assert done.returncode == 0, done.stdout + done.stderr
+        result = run(command, timeout=300)
+        assert result.returncode == 0, result.stdout + result.stderr
     command = [venv / "bin/python", "-m", "mypy", "--strict", "--no-incremental", "--python-executable", wheel_python, "-p", "poissontiles"]
-    done = run(command, 300, cwd=tmp_path)
-    assert done.returncode == 0, done.stdout + done.stderr
+    result = run(command, 300, cwd=tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr

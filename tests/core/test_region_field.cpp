@@ -55,7 +55,7 @@ struct World {
 	float height_at(glm::dvec2 position, double spacing) const {
 		const glm::dvec2 posts = position / spacing;
 		const glm::ivec2 first{static_cast<int>(std::floor(posts.x)), static_cast<int>(std::floor(posts.y))};
-		const glm::dvec2 part = posts - glm::dvec2(first);
+		const glm::dvec2 fraction = posts - glm::dvec2(first);
 		double sum = 0.0;
 		for (int corner = 0; corner < 4; ++corner) {
 			const glm::ivec2 step{corner % 2, corner / 2};
@@ -63,7 +63,8 @@ struct World {
 			if (!has(post) || (control(post) & 4u) != 0) {
 				return std::numeric_limits<float>::quiet_NaN();
 			}
-			sum += height(post) * (step.x != 0 ? part.x : 1.0 - part.x) * (step.y != 0 ? part.y : 1.0 - part.y);
+			sum += height(post) * (step.x != 0 ? fraction.x : 1.0 - fraction.x) *
+					(step.y != 0 ? fraction.y : 1.0 - fraction.y);
 		}
 		return static_cast<float>(sum);
 	}
@@ -118,8 +119,8 @@ TEST_CASE("region field: heights are bilinear, without seams between regions, an
 	const RegionField field = world.field();
 	CHECK(field.at({5.0, -3.0}).height == world.height({5, -3}));
 	CHECK(std::isnan(field.at({15.5, 3.0}).height)); // There is no sample after the last one to interpolate with.
-	for (const double far : {1e9, -1e30, std::numeric_limits<double>::infinity(), std::nan("")}) {
-		CHECK(std::isnan(field.at({far, 0.0}).height));
+	for (const double coordinate : {1e9, -1e30, std::numeric_limits<double>::infinity(), std::nan("")}) {
+		CHECK(std::isnan(field.at({coordinate, 0.0}).height));
 	}
 }
 
@@ -182,10 +183,10 @@ TEST_CASE("region field: a field may be moved in the world, and may have no regi
 	const World world;
 	const RegionField field = world.field();
 	const glm::dvec3 offset{1e6, 250.0, -3e5};
-	const RegionField moved = field.at_offset(offset);
+	const RegionField shifted = field.at_offset(offset);
 	const glm::dvec2 at{3.25, -7.5};
-	CHECK(moved.at(at + glm::dvec2(offset.x, offset.z)).height == doctest::Approx(field.at(at).height + 250.0));
-	CHECK(moved.at(at + glm::dvec2(offset.x, offset.z)).normal == field.at(at).normal);
+	CHECK(shifted.at(at + glm::dvec2(offset.x, offset.z)).height == doctest::Approx(field.at(at).height + 250.0));
+	CHECK(shifted.at(at + glm::dvec2(offset.x, offset.z)).normal == field.at(at).normal);
 	RegionField empty;
 	CHECK(std::isnan(empty.at({0.0, 0.0}).height));
 	REQUIRE(empty.set(256, 1.0, {}, {}).ok());
@@ -204,8 +205,8 @@ TEST_CASE("region field: invalid regions are rejected, and the field stays uncha
 	small.heights = grid_of(zero, side / 2);
 	FieldRegion mixed = good;
 	mixed.controls = grid_of(zero, side / 2);
-	FieldRegion far = good;
-	far.location.x = RegionField::max_location;
+	FieldRegion distant = good;
+	distant.location.x = RegionField::max_location;
 	FieldRegion corner = good;
 	corner.location = glm::ivec2(2000);
 	CHECK_FALSE(field.set(1, 1.0, {}, {}).ok());
@@ -213,12 +214,12 @@ TEST_CASE("region field: invalid regions are rejected, and the field stays uncha
 		CHECK_FALSE(field.set(side, spacing, {good}, {}).ok());
 	}
 	// `good` would be included twice, and `corner` is too far from it.
-	for (const FieldRegion &bad : {small, mixed, far, good, corner}) {
+	for (const FieldRegion &bad : {small, mixed, distant, good, corner}) {
 		CHECK_FALSE(field.set(side, 1.0, {good, bad}, {}).ok());
 	}
 	CHECK(field.at({3.0, 5.0}).height == world.height({3, 5}));
 	std::array<Ground, 2> two;
-	const glm::dvec2 one{0.0};
-	CHECK(field.sample({&one, 1}, two).code == ErrorCode::wrong_size);
-	CHECK(field.weigh({&one, 1}, {}, two).code == ErrorCode::wrong_size);
+	const glm::dvec2 origin{0.0};
+	CHECK(field.sample({&origin, 1}, two).code == ErrorCode::wrong_size);
+	CHECK(field.weigh({&origin, 1}, {}, two).code == ErrorCode::wrong_size);
 }

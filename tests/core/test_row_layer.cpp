@@ -50,29 +50,29 @@ LayerSettings row_layer() {
 TEST_CASE("layers in rows: tiles of any size join to the same instances") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = row_layer();
-	Transforms joined;
+	Transforms joined_transforms;
 	for (int i = 0; i < 16; ++i) {
 		const glm::dvec2 corner{-64.0 + 32.0 * (i % 4), 32.0 * (i / 4)};
 		const TileInstances tile = built(layer, terrain, {corner, corner + 32.0});
 		for (const MeshInstances &mesh : tile.meshes) {
 			for (std::size_t at = 0; at < mesh.size(); ++at) {
 				const glm::dvec3 position = world_position(tile, mesh, at);
-				joined[mesh.ids[at]] = {static_cast<float>(position.x), static_cast<float>(position.z)};
+				joined_transforms[mesh.ids[at]] = {static_cast<float>(position.x), static_cast<float>(position.z)};
 			}
 		}
 	}
-	const TileInstances whole = built(layer, terrain, tile_of_hills);
-	REQUIRE(size_of(whole) > 150);
-	CHECK(joined.size() == size_of(whole));
-	for (const MeshInstances &mesh : whole.meshes) {
+	const TileInstances whole_tile = built(layer, terrain, tile_of_hills);
+	REQUIRE(size_of(whole_tile) > 150);
+	CHECK(joined_transforms.size() == size_of(whole_tile));
+	for (const MeshInstances &mesh : whole_tile.meshes) {
 		for (std::size_t at = 0; at < mesh.size(); ++at) {
-			const glm::dvec3 position = world_position(whole, mesh, at);
-			REQUIRE(joined.contains(mesh.ids[at]));
-			CHECK(std::abs(joined[mesh.ids[at]][0] - position.x) < 1e-4);
-			CHECK(std::abs(joined[mesh.ids[at]][1] - position.z) < 1e-4);
+			const glm::dvec3 position = world_position(whole_tile, mesh, at);
+			REQUIRE(joined_transforms.contains(mesh.ids[at]));
+			CHECK(std::abs(joined_transforms[mesh.ids[at]][0] - position.x) < 1e-4);
+			CHECK(std::abs(joined_transforms[mesh.ids[at]][1] - position.z) < 1e-4);
 		}
 	}
-	check_on_threads(layer, terrain, digest(whole));
+	check_on_threads(layer, terrain, digest(whole_tile));
 }
 
 TEST_CASE("layers in rows: instances face along their row, within the yaw of the layer") {
@@ -87,9 +87,9 @@ TEST_CASE("layers in rows: instances face along their row, within the yaw of the
 			const Rotation heading = layer.rows->heading(mesh.ids[at]);
 			const glm::dvec2 along(-heading.sine, -heading.cosine);
 			// A positive yaw turns to the left, toward (along.y, -along.x).
-			const double left = glm::dot(forward, glm::dvec2(along.y, -along.x));
-			CHECK(left > -0.3422);
-			CHECK(left < 0.5002);
+			const double left_offset = glm::dot(forward, glm::dvec2(along.y, -along.x));
+			CHECK(left_offset > -0.3422);
+			CHECK(left_offset < 0.5002);
 			CHECK(glm::dot(forward, along) > 0.8);
 		}
 	}
@@ -102,9 +102,9 @@ TEST_CASE("layers in rows: compact tiles return the transforms of the renderer's
 	const auto compact = compact_tile(layer, tile);
 	for (std::size_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
 		CHECK(digest(compact->meshes[mesh]) == [&] {
-			TileInstances one;
-			one.meshes.push_back(tile.meshes[mesh]);
-			return digest(one);
+			TileInstances single;
+			single.meshes.push_back(tile.meshes[mesh]);
+			return digest(single);
 		}());
 		std::vector<float> floats(tile.meshes[mesh].stride);
 		for (std::size_t at = 0; at < tile.meshes[mesh].size(); ++at) {
@@ -148,15 +148,15 @@ TEST_CASE("layers in rows: other layers keep their distance, and rows keep their
 		CHECK(distance > 1.999);
 		CHECK(distance < 2.2);
 	}
-	LayerSettings beside = *rows;
+	LayerSettings beside_rows = *rows;
 	const auto stones = std::make_shared<LayerSettings>();
 	stones->set = {.seed = 12, .radius = 9.0, .levels = 1, .layer = 8};
-	beside.neighbors = {{stones, 4.0, nullptr}};
-	beside.spacing_fills = true; // Rows cannot fill gaps, so the distance only removes points.
-	REQUIRE(validate(beside).ok());
-	const std::vector<glm::dvec2> kept = positions(beside);
-	CHECK(kept.size() < trees.size());
-	CHECK(nearest(kept, positions(*stones)) > 3.999);
+	beside_rows.neighbors = {{stones, 4.0, nullptr}};
+	beside_rows.spacing_fills = true; // Rows cannot fill gaps, so the distance only removes points.
+	REQUIRE(validate(beside_rows).ok());
+	const std::vector<glm::dvec2> kept_positions = positions(beside_rows);
+	CHECK(kept_positions.size() < trees.size());
+	CHECK(nearest(kept_positions, positions(*stones)) > 3.999);
 }
 
 TEST_CASE("layers in rows: queries find each instance by its ID") {
@@ -167,16 +167,16 @@ TEST_CASE("layers in rows: queries find each instance by its ID") {
 	REQUIRE(all.size() > 150);
 	const std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world};
-	std::vector<PlacedInstance> found;
+	std::vector<PlacedInstance> results;
 	for (const PlacedInstance &each : all) {
 		world.requests.clear();
-		REQUIRE(query.by_id(each.id, found).ok());
-		REQUIRE(found.size() == 1);
-		CHECK(same(found.front(), each));
+		REQUIRE(query.by_id(each.id, results).ok());
+		REQUIRE(results.size() == 1);
+		CHECK(same(results.front(), each));
 		CHECK(world.requests.size() == 1); // The tile follows from the place in the row.
 	}
-	REQUIRE(query.by_id(all.back().id + 5000, found).ok());
-	CHECK(found.empty());
+	REQUIRE(query.by_id(all.back().id + 5000, results).ok());
+	CHECK(results.empty());
 }
 
 TEST_CASE("layers in rows: the nearest point of a row is found, or none") {
@@ -218,7 +218,7 @@ TEST_CASE("layers in rows: an edited line changes the areas near it, for other l
 	bushes_before.neighbors = {{std::make_shared<LayerSettings>(before), 20.0, nullptr}};
 	LayerSettings bushes_after;
 	bushes_after.neighbors = {{std::make_shared<LayerSettings>(after), 20.0, nullptr}};
-	const EditedArea &around = search.find(bushes_before, bushes_after);
-	CHECK_FALSE(around.everywhere);
-	CHECK(around.touches({end.max + 10.0, end.max + 11.0}));
+	const EditedArea &edits = search.find(bushes_before, bushes_after);
+	CHECK_FALSE(edits.everywhere);
+	CHECK(edits.touches({end.max + 10.0, end.max + 11.0}));
 }

@@ -28,26 +28,26 @@ constexpr PointSet set_of_rows{.seed = 77, .radius = 2.0, .levels = 1, .layer = 
 constexpr Rect everywhere{{-1e6, -1e6}, {1e6, 1e6}};
 
 /// Returns an identity whose upper bits, which IDs contain, differ between small numbers.
-constexpr std::uint64_t identity_of(std::uint64_t number) { return number * 0x9e3779b97f4a7c15; }
+constexpr std::uint64_t identity_of(std::uint64_t index) { return index * 0x9e3779b97f4a7c15; }
 
 /// A winding line of 400 m.
-RowLine winding_line(std::uint64_t number, glm::dvec2 from = {0.0, 0.0}) {
-	RowLine line{.identity = identity_of(number), .points = {}, .anchor = from};
+RowLine winding_line(std::uint64_t index, glm::dvec2 from = {0.0, 0.0}) {
+	RowLine line{.identity = identity_of(index), .points = {}, .anchor = from};
 	for (int i = 0; i <= 800; ++i) {
-		const double along = 0.5 * i;
-		line.points.push_back(from + glm::dvec2(along, 30.0 * std::sin(along / 40.0)));
+		const double x = 0.5 * i;
+		line.points.push_back(from + glm::dvec2(x, 30.0 * std::sin(x / 40.0)));
 	}
 	return line;
 }
 
-RowLine line_through(std::uint64_t number, std::vector<glm::dvec2> points) {
-	return {.identity = identity_of(number), .points = std::move(points)};
+RowLine line_through(std::uint64_t index, std::vector<glm::dvec2> points) {
+	return {.identity = identity_of(index), .points = std::move(points)};
 }
 
 /// Returns a line along all edges of a square.
-RowLine square_line(std::uint64_t number, glm::dvec2 min, double side) {
+RowLine square_line(std::uint64_t index, glm::dvec2 min, double side) {
 	return line_through(
-			number, {min, min + glm::dvec2(side, 0.0), min + glm::dvec2(side), min + glm::dvec2(0.0, side), min});
+			index, {min, min + glm::dvec2(side, 0.0), min + glm::dvec2(side), min + glm::dvec2(0.0, side), min});
 }
 
 RowSet rows_of(const RowSettings &settings, std::vector<RowLine> lines) {
@@ -111,10 +111,10 @@ TEST_CASE("rows: the steps along a curve are as long as the line between them") 
 	const std::vector<SamplePoint> points = points_of(rows);
 	REQUIRE(points.size() == static_cast<std::size_t>(lengths.back() / 3.0) + 1);
 	for (std::size_t step = 0; step < points.size(); ++step) {
-		const double along = 3.0 * static_cast<double>(step);
-		const auto at = static_cast<std::size_t>(std::ranges::upper_bound(lengths, along) - lengths.begin()) - 1;
-		const double rest = (along - lengths[at]) / (lengths[at + 1] - lengths[at]);
-		CHECK(glm::distance(points[step].position, glm::mix(line.points[at], line.points[at + 1], rest)) < 1e-6);
+		const double row_distance = 3.0 * static_cast<double>(step);
+		const auto at = static_cast<std::size_t>(std::ranges::upper_bound(lengths, row_distance) - lengths.begin()) - 1;
+		const double fraction = (row_distance - lengths[at]) / (lengths[at + 1] - lengths[at]);
+		CHECK(glm::distance(points[step].position, glm::mix(line.points[at], line.points[at + 1], fraction)) < 1e-6);
 	}
 }
 
@@ -154,8 +154,8 @@ TEST_CASE("rows: parallel rows fill an area and stop at its outline") {
 	for (int row = 0; row < 14; ++row) {
 		for (int step = 0; step < 60; ++step) {
 			const glm::dvec2 at{0.25 + 1.5 * row, 0.25 + 0.5 * step};
-			const bool inside = at.x < 20.0 && at.y < 30.0 && (at.y < 10.0 || at.x > 10.0);
-			expected += inside ? 1 : 0;
+			const bool is_inside = at.x < 20.0 && at.y < 30.0 && (at.y < 10.0 || at.x > 10.0);
+			expected += is_inside ? 1 : 0;
 		}
 	}
 	CHECK(points.size() == expected);
@@ -173,16 +173,17 @@ TEST_CASE("rows: points keep a distance from crossings, and from no other place"
 	RowSettings settings{.step = 1.0, .offsets = {0.0, 3.0}};
 	const std::vector<SamplePoint> all = points_of(rows_of(settings, roads));
 	settings.crossing_gap = 6.0;
-	const std::vector<SamplePoint> kept = points_of(rows_of(settings, roads));
+	const std::vector<SamplePoint> points = points_of(rows_of(settings, roads));
 	std::size_t expected = 0;
 	for (const SamplePoint &point : all) {
 		// The third road continues the first one, which is no crossing. The fourth one begins on it.
-		const bool near = glm::distance(point.position, {0, 0}) < 6.0 || glm::distance(point.position, {30, 0}) < 6.0;
-		expected += near ? 0 : 1;
-		CHECK(std::ranges::count(kept, point.id, &SamplePoint::id) == (near ? 0 : 1));
+		const bool is_near =
+				glm::distance(point.position, {0, 0}) < 6.0 || glm::distance(point.position, {30, 0}) < 6.0;
+		expected += is_near ? 0 : 1;
+		CHECK(std::ranges::count(points, point.id, &SamplePoint::id) == (is_near ? 0 : 1));
 	}
-	CHECK(kept.size() == expected);
-	CHECK(kept.size() < all.size());
+	CHECK(points.size() == expected);
+	CHECK(points.size() < all.size());
 }
 
 TEST_CASE("rows: a line that ends less than the gap before another line crosses it") {
@@ -215,22 +216,22 @@ TEST_CASE("rows: any division into tiles finds the same points") {
 			rows_of(field, {corn, winding_line(5)})};
 	const Rect region{{-20.0, -90.0}, {420.0, 90.0}};
 	for (const RowSet &rows : sets) {
-		const std::vector<SamplePoint> whole = points_of(rows, region);
-		REQUIRE(whole.size() > 500);
+		const std::vector<SamplePoint> all_points = points_of(rows, region);
+		REQUIRE(all_points.size() > 500);
 		for (const tilings::Tiling &tiling : {tilings::Tiling{"squares", {64, 64}}, {"strips", {7.3, 500}},
 					 {"small tiles", {3.1, 4.7}, {0.3, 0.9}, 1, 5}}) {
-			std::vector<SamplePoint> joined;
+			std::vector<SamplePoint> joined_points;
 			for (const Rect &tile : tilings::tiles_of(tiling, region)) {
 				std::vector<SamplePoint> points;
 				REQUIRE(rows.sample(set_of_rows, tile, points).ok());
 				for (const SamplePoint &point : points) {
 					REQUIRE(tile.contains(point.position));
 					if (region.contains(point.position)) {
-						joined.push_back(point);
+						joined_points.push_back(point);
 					}
 				}
 			}
-			CHECK_MESSAGE(sorted(joined) == whole, tiling.name);
+			CHECK_MESSAGE(sorted(joined_points) == all_points, tiling.name);
 		}
 	}
 }
@@ -264,20 +265,20 @@ TEST_CASE("rows: an edit of a line keeps other lines, and the points before the 
 	}
 	const auto before = all(line);
 	const auto after = all(edited);
-	std::size_t same = 0;
-	std::size_t moved = 0;
+	std::size_t same_count = 0;
+	std::size_t moved_count = 0;
 	for (const auto &[id, position] : before) {
-		const auto found = after.find(id);
+		const auto match = after.find(id);
 		if (position.x < 195.0 || position.y < 50.0 || position.y > 150.0) {
-			REQUIRE(found != after.end());
-			CHECK(found->second == position);
-			++same;
-		} else if (found != after.end() && found->second != position) {
-			++moved;
+			REQUIRE(match != after.end());
+			CHECK(match->second == position);
+			++same_count;
+		} else if (match != after.end() && match->second != position) {
+			++moved_count;
 		}
 	}
-	CHECK(same > 1000);
-	CHECK(moved > 200); // The points after the edited place keep their IDs.
+	CHECK(same_count > 1000);
+	CHECK(moved_count > 200); // The points after the edited place keep their IDs.
 	// A line that is added or removed changes no ID of the others, wherever it is in the list.
 	RowSettings without_gaps = settings;
 	without_gaps.crossing_gap = 0.0;
@@ -298,8 +299,8 @@ TEST_CASE("rows: a set that takes unchanged lines from a former set equals a new
 		}
 		return std::make_shared<const RowLine>(RowLine{.identity = identity, .points = points});
 	};
-	for (std::uint64_t number = 1; number <= 30; ++number) {
-		lines.push_back(random_line(identity_of(number)));
+	for (std::uint64_t index = 1; index <= 30; ++index) {
+		lines.push_back(random_line(identity_of(index)));
 	}
 	lines.push_back(lines.front()); // Two equal lines.
 	for (const bool fills_areas : {false, true}) {
@@ -308,8 +309,8 @@ TEST_CASE("rows: a set that takes unchanged lines from a former set equals a new
 				.jitter_along = 0.2,
 				.fills_areas = fills_areas,
 				.crossing_gap = 5.0};
-		RowSet former;
-		REQUIRE(former.set_shared(settings, lines).ok());
+		RowSet previous;
+		REQUIRE(previous.set_shared(settings, lines).ok());
 		std::vector<SharedRowLine> edited = lines;
 		for (int edit = 0; edit < 12; ++edit) {
 			const auto at = static_cast<std::size_t>(random() % edited.size());
@@ -321,30 +322,30 @@ TEST_CASE("rows: a set that takes unchanged lines from a former set equals a new
 				edited[at] = random_line(edit % 4 == 2 ? edited[at]->identity : random());
 			}
 			RowSet next;
-			REQUIRE(next.set_shared(settings, edited, &former).ok());
-			RowSet whole;
-			REQUIRE(whole.set_shared(settings, edited).ok());
+			REQUIRE(next.set_shared(settings, edited, &previous).ok());
+			RowSet complete;
+			REQUIRE(complete.set_shared(settings, edited).ok());
 			std::vector<SamplePoint> points;
 			std::vector<SamplePoint> expected;
 			REQUIRE(next.sample(set_of_rows, everywhere, points).ok());
-			REQUIRE(whole.sample(set_of_rows, everywhere, expected).ok());
+			REQUIRE(complete.sample(set_of_rows, everywhere, expected).ok());
 			REQUIRE(expected.size() > 1000);
 			CHECK(sorted(points) == sorted(expected));
 			for (std::size_t line = 0; line < edited.size(); ++line) {
-				CHECK(next.key(line) == whole.key(line));
+				CHECK(next.key(line) == complete.key(line));
 			}
-			former = std::move(next);
+			previous = std::move(next);
 		}
 		RowSettings wider = settings;
 		wider.step = 3.0;
 		RowSet other;
-		RowSet whole;
-		REQUIRE(other.set_shared(wider, edited, &former).ok());
-		REQUIRE(whole.set_shared(wider, edited).ok());
+		RowSet complete;
+		REQUIRE(other.set_shared(wider, edited, &previous).ok());
+		REQUIRE(complete.set_shared(wider, edited).ok());
 		std::vector<SamplePoint> points;
 		std::vector<SamplePoint> expected;
 		REQUIRE(other.sample(set_of_rows, everywhere, points).ok());
-		REQUIRE(whole.sample(set_of_rows, everywhere, expected).ok());
+		REQUIRE(complete.sample(set_of_rows, everywhere, expected).ok());
 		CHECK(sorted(points) == sorted(expected));
 	}
 }
@@ -381,9 +382,9 @@ TEST_CASE("rows: ranks are spread evenly and differ between seeds") {
 	CHECK(static_cast<double>(low) / static_cast<double>(points.size()) == doctest::Approx(0.25).epsilon(0.1));
 	PointSet other = set_of_rows;
 	other.seed = 78;
-	std::vector<SamplePoint> again;
-	REQUIRE(rows.sample(other, everywhere, again).ok());
-	CHECK(sorted(again).front().rank != points.front().rank);
+	std::vector<SamplePoint> repeated;
+	REQUIRE(rows.sample(other, everywhere, repeated).ok());
+	CHECK(sorted(repeated).front().rank != points.front().rank);
 }
 
 TEST_CASE("rows: empty and degenerate lines have no points") {
@@ -461,29 +462,29 @@ TEST_CASE("edits of rows: every changed point lies in a changed area, and distan
 				 Case{{}, straight, line_through(2, {{0, 120}, {150, 120}, {210, 120}}), true},
 				 Case{field, square, dented, true}, Case{field, dented, square, true},
 				 Case{field, square, square_line(4, {3, 0}, 60.0), false}}) {
-		const std::vector<RowLine> others{winding_line(1), winding_line(3, {200, 100})};
-		const auto with = [&](const RowLine &own) {
-			return std::vector<RowLine>{others[0], own, others[1]};
+		const std::vector<RowLine> other_lines{winding_line(1), winding_line(3, {200, 100})};
+		const auto rows_with = [&](const RowLine &changed_line) {
+			return std::vector<RowLine>{other_lines[0], changed_line, other_lines[1]};
 		};
-		const RowSet before = rows_of(each.settings, with(each.before));
-		const RowSet after = rows_of(each.settings, with(each.after));
+		const RowSet before = rows_of(each.settings, rows_with(each.before));
+		const RowSet after = rows_of(each.settings, rows_with(each.after));
 		std::vector<Rect> areas;
 		REQUIRE(find_row_edits(&before, &after, areas));
-		const auto was = by_id(points_of(before));
-		const auto is = by_id(points_of(after));
+		const auto previous = by_id(points_of(before));
+		const auto current = by_id(points_of(after));
 		const auto check = [&areas](const auto &from, const auto &to) {
 			for (const auto &[id, position] : from) {
-				const auto found = to.find(id);
-				if (found == to.end() || found->second != position) {
+				const auto match = to.find(id);
+				if (match == to.end() || match->second != position) {
 					CHECK(std::ranges::any_of(areas, [p = position](const Rect &area) { return area.contains(p); }));
 				}
 			}
 		};
-		check(was, is);
-		check(is, was);
-		const glm::dvec2 far = each.settings.fills_areas ? glm::dvec2(5.0, 30.0) : glm::dvec2(50.0, 120.0);
-		const auto contains_far = [far](const Rect &area) {
-			return area.contains(far);
+		check(previous, current);
+		check(current, previous);
+		const glm::dvec2 distant = each.settings.fills_areas ? glm::dvec2(5.0, 30.0) : glm::dvec2(50.0, 120.0);
+		const auto contains_far = [distant](const Rect &area) {
+			return area.contains(distant);
 		};
 		CHECK(std::ranges::any_of(areas, contains_far) != each.is_local);
 	}
@@ -491,10 +492,10 @@ TEST_CASE("edits of rows: every changed point lies in a changed area, and distan
 
 TEST_CASE("edits of rows: other settings change everything, and equal sets nothing") {
 	const RowSet rows = rows_of({}, {winding_line(1)});
-	const RowSet same = rows_of({}, {winding_line(1)});
+	const RowSet same_rows = rows_of({}, {winding_line(1)});
 	const RowSet other = rows_of({.step = 2.5}, {winding_line(1)});
 	std::vector<Rect> areas;
-	CHECK(find_row_edits(&rows, &same, areas));
+	CHECK(find_row_edits(&rows, &same_rows, areas));
 	CHECK(areas.empty());
 	CHECK_FALSE(find_row_edits(&rows, &other, areas));
 	CHECK_FALSE(find_row_edits(&rows, nullptr, areas));

@@ -106,17 +106,17 @@ TEST_CASE("rule sentences: other layers, regions and fields are named") {
 
 TEST_CASE("rule sentences: the reason is one rule, or the rank, or none") {
 	const LayerSettings layer;
-	const RuleVerdict refused = judge(explained(0.0, 1.0, 0.0), layer, {});
-	CHECK(!refused.yes);
-	CHECK(refused.rule == "mask");
-	CHECK(refused.reason == "The painted mask permits no instances here.");
-	const RuleVerdict beside = judge(explained(1.0, 0.0, 0.0), layer, {});
-	CHECK(beside.rule == "mask");
-	CHECK(beside.reason.starts_with(
+	const RuleVerdict rejected = judge(explained(0.0, 1.0, 0.0), layer, {});
+	CHECK(!rejected.yes);
+	CHECK(rejected.rule == "mask");
+	CHECK(rejected.reason == "The painted mask permits no instances here.");
+	const RuleVerdict unlikely = judge(explained(1.0, 0.0, 0.0), layer, {});
+	CHECK(unlikely.rule == "mask");
+	CHECK(unlikely.reason.starts_with(
 			"Allowed here, but not at the nearest point of the set, 1.5 m away: The painted mask"));
-	const RuleVerdict late = judge(explained(0.5, 0.25, 0.75), layer, {});
-	CHECK(late.rule == "rank");
-	CHECK(late.reason ==
+	const RuleVerdict late_rule = judge(explained(0.5, 0.25, 0.75), layer, {});
+	CHECK(late_rule.rule == "rank");
+	CHECK(late_rule.reason ==
 			"Excluded by the density: the nearest point of the set, 1.5 m away, has rank 0.75, and the density there "
 			"is 0.25. The painted mask permits 25 % of the instances here.");
 	const RuleVerdict accepted = judge(explained(0.5, 0.5, 0.25), layer, {});

@@ -17,9 +17,9 @@ TEST_CASE("rules: values that cannot change a density are not computed") {
 	// The slope is 37 degrees. Computing its angle rounds, but squaring the components of the
 	// normal does not.
 	const Ground ground{8.0f, {0.75f, 1.0f, 0.0f}};
-	const auto density_and_work = [](const PreparedRules &rules, const Ground &of) {
+	const auto density_and_work = [](const PreparedRules &rules, const Ground &sampled_ground) {
 		double density = 0.0;
-		const bool computed = rounds([&] { density = rules.ground_density(of, {3.0, 5.0}); });
+		const bool computed = rounds([&] { density = rules.ground_density(sampled_ground, {3.0, 5.0}); });
 		return std::pair(density, computed);
 	};
 	Rules slopes;
@@ -27,9 +27,9 @@ TEST_CASE("rules: values that cannot change a density are not computed") {
 	const PreparedRules steep = prepared(slopes);
 	CHECK(density_and_work(steep, ground) == std::pair(1.0, false));
 	CHECK(density_and_work(steep, {8.0f, {0.25f, 1.0f, 0.0f}}) == std::pair(0.0, false));
-	bool allowed = false;
-	CHECK_FALSE(rounds([&] { allowed = steep.allow(ground, {}); }));
-	CHECK(allowed);
+	bool is_allowed = false;
+	CHECK_FALSE(rounds([&] { is_allowed = steep.allow(ground, {}); }));
+	CHECK(is_allowed);
 	slopes.slope_falloff_degrees = 20.0; // The falloff requires the angle.
 	CHECK(density_and_work(prepared(slopes), ground).second);
 	slopes.min_height = 9.0;
@@ -59,10 +59,11 @@ TEST_CASE("rules: clumps are evaluated only where the other rules permit instanc
 	rules.clumping = {.size = 10.0};
 	std::vector<float> scratch(1);
 	const auto rounds_density = [&] {
-		const PreparedRules ready = prepared(rules);
+		const PreparedRules prepared_rules = prepared(rules);
 		const glm::dvec2 position(3.0, 5.0);
 		double density = -1.0;
-		return rounds([&] { REQUIRE(ready.position_densities({{&position, 1}}, {&density, 1}, scratch).ok()); });
+		return rounds(
+				[&] { REQUIRE(prepared_rules.position_densities({{&position, 1}}, {&density, 1}, scratch).ok()); });
 	};
 	CHECK(rounds_density());
 	rules.density = 0.0;

@@ -29,10 +29,10 @@ constexpr double radian = std::numbers::pi / 180.0;
 
 /// Returns ground with a slope of `degrees` whose normal leans toward `heading`, also in degrees.
 Ground inclined(double degrees, float height = 0.0f, double heading = 30.0) {
-	const double across = std::sin(degrees * radian);
+	const double slope = std::sin(degrees * radian);
 	return {height,
-			glm::vec3(across * std::cos(heading * radian), std::cos(degrees * radian),
-					across * std::sin(heading * radian))};
+			glm::vec3(slope * std::cos(heading * radian), std::cos(degrees * radian),
+					slope * std::sin(heading * radian))};
 }
 
 double density_on(const Rules &rules, const Ground &ground) { return prepared(rules).ground_density(ground, {}); }
@@ -87,31 +87,31 @@ TEST_CASE("rules: a slope limit cuts at exactly its angle, on both sides") {
 }
 
 TEST_CASE("rules: missing ground, walls and ceilings never pass") {
-	Rules anything;
-	anything.max_slope_degrees = 90.0;
+	Rules default_rules;
+	default_rules.max_slope_degrees = 90.0;
 	Rules flat;
 	flat.max_slope_degrees = 10.0;
 	const float nothing = std::numeric_limits<float>::quiet_NaN();
 	const float infinite = std::numeric_limits<float>::infinity();
-	for (const Rules &rules : {anything, flat}) {
-		const PreparedRules ready = prepared(rules);
-		CHECK(allowed(ready, {0.0f, {0.0f, 1.0f, 0.0f}}));
+	for (const Rules &rules : {default_rules, flat}) {
+		const PreparedRules prepared_rules = prepared(rules);
+		CHECK(allowed(prepared_rules, {0.0f, {0.0f, 1.0f, 0.0f}}));
 		for (const Ground &ground : {Ground{}, Ground{nothing, {0.0f, 1.0f, 0.0f}},
 					 Ground{infinite, {0.0f, 1.0f, 0.0f}}, Ground{-infinite, {0.0f, 1.0f, 0.0f}},
 					 Ground{0.0f, {nothing, 1.0f, 0.0f}}, Ground{0.0f, {0.0f, nothing, 0.0f}},
 					 Ground{0.0f, {0.0f, 1.0f, nothing}}, Ground{0.0f, {0.0f, infinite, 0.0f}},
 					 Ground{0.0f, {0.0f, 0.0f, 0.0f}}, Ground{0.0f, {1.0f, 0.0f, 0.0f}},
 					 Ground{0.0f, {0.0f, -1.0f, 0.0f}}, inclined(91.0), inclined(135.0), inclined(179.0)}) {
-			CHECK_FALSE(allowed(ready, ground));
+			CHECK_FALSE(allowed(prepared_rules, ground));
 		}
 	}
 }
 
 TEST_CASE("rules: defaults permit all ground") {
-	const PreparedRules ready = prepared({});
+	const PreparedRules prepared_rules = prepared({});
 	for (const float height : {0.0f, -1e-30f, 8848.0f, -11000.0f, 3e38f, -3e38f}) {
 		for (const double degrees : {0.0, 45.0, 89.9}) {
-			CHECK(allowed(ready, inclined(degrees, height)));
+			CHECK(allowed(prepared_rules, inclined(degrees, height)));
 		}
 	}
 	CHECK(density_at({}, {5.0, -7.0}) == 1.0);
@@ -189,16 +189,16 @@ TEST_CASE("rules: narrowing any limit only removes instances") {
 		}
 		const PreparedRules a = prepared(wide);
 		const PreparedRules b = prepared(narrow);
-		int lost = 0;
+		int lost_count = 0;
 		for (int i = 0; i < 2000; ++i) {
 			const Ground ground = inclined(90.0 * unit(random), static_cast<float>(250.0 * unit(random) - 125.0));
 			const auto rank = static_cast<std::uint32_t>(random());
 			const bool passes_wide = is_placed(rank, wide.density * a.ground_density(ground, {}));
 			const bool passes_narrow = is_placed(rank, narrow.density * b.ground_density(ground, {}));
 			CHECK_FALSE((passes_narrow && !passes_wide));
-			lost += passes_wide && !passes_narrow ? 1 : 0;
+			lost_count += passes_wide && !passes_narrow ? 1 : 0;
 		}
-		CHECK(lost > 0);
+		CHECK(lost_count > 0);
 	}
 }
 
@@ -243,8 +243,8 @@ TEST_CASE("rules: the densities of a position multiply, and the densities of a f
 		rules.fields = {constant_field(wild)};
 		CHECK(density_at(rules, {0.0, 0.0}) == 0.5);
 	}
-	for (const float none : {-1.0f, std::numeric_limits<float>::quiet_NaN()}) {
-		rules.fields = {constant_field(none)};
+	for (const float invalid : {-1.0f, std::numeric_limits<float>::quiet_NaN()}) {
+		rules.fields = {constant_field(invalid)};
 		CHECK(density_at(rules, {0.0, 0.0}) == 0.0);
 	}
 }
@@ -252,8 +252,8 @@ TEST_CASE("rules: the densities of a position multiply, and the densities of a f
 TEST_CASE("rules: painted masks and clumps have the same effect as any density of the position") {
 	auto mask = std::make_shared<PaintedMask>();
 	REQUIRE(mask->reset(1.0, 1.0).ok());
-	Rect changed;
-	REQUIRE(mask->paint({Brush::Mode::erase, {10.0, 10.0}, 5.0, 1.0, 1.0}, changed).ok());
+	Rect changed_rect;
+	REQUIRE(mask->paint({Brush::Mode::erase, {10.0, 10.0}, 5.0, 1.0, 1.0}, changed_rect).ok());
 	Rules rules;
 	rules.mask = mask;
 	CHECK(density_at(rules, {10.0, 10.0}) == 0.0);
@@ -308,13 +308,13 @@ TEST_CASE("rules: the error of a field is returned") {
 TEST_CASE("rules: the error for an invalid setting contains its name and value, and the last valid settings stay") {
 	Rules good;
 	good.max_height = 50.0;
-	PreparedRules ready = prepared(good);
+	PreparedRules prepared_rules = prepared(good);
 	const auto refuse = [&](double Rules::*member, const char *property, double value, ErrorCode code) {
 		Rules bad;
 		bad.*member = value;
-		check_refused(ready.set(bad, seed), code, property, value);
-		CHECK(ready.rules() == good);
-		CHECK_FALSE(allowed(ready, inclined(0.0, 51.0f)));
+		check_refused(prepared_rules.set(bad, seed), code, property, value);
+		CHECK(prepared_rules.rules() == good);
+		CHECK_FALSE(allowed(prepared_rules, inclined(0.0, 51.0f)));
 	};
 	struct Limits {
 		double Rules::*member;
@@ -339,20 +339,20 @@ TEST_CASE("rules: the error for an invalid setting contains its name and value, 
 	refuse(&Rules::edge_feather, "edge_feather", 1001.0, ErrorCode::out_of_range);
 	Rules null_field;
 	null_field.fields = {nullptr};
-	check_refused(ready.set(null_field, seed), ErrorCode::missing, "fields", 0.0);
+	check_refused(prepared_rules.set(null_field, seed), ErrorCode::missing, "fields", 0.0);
 	Rules clumps;
 	clumps.clumping.size = -1.0;
-	CHECK_FALSE(ready.set(clumps, seed).ok());
+	CHECK_FALSE(prepared_rules.set(clumps, seed).ok());
 
 	Rules inverted;
 	inverted.min_slope_degrees = 40.0;
 	inverted.max_slope_degrees = 30.0;
-	check_refused(ready.set(inverted, seed), ErrorCode::inverted, "max_slope_degrees", 30.0);
+	check_refused(prepared_rules.set(inverted, seed), ErrorCode::inverted, "max_slope_degrees", 30.0);
 	inverted = {};
 	inverted.min_height = 10.0;
 	inverted.max_height = 9.0;
-	check_refused(ready.set(inverted, seed), ErrorCode::inverted, "max_height", 9.0);
-	CHECK(ready.rules() == good);
+	check_refused(prepared_rules.set(inverted, seed), ErrorCode::inverted, "max_height", 9.0);
+	CHECK(prepared_rules.rules() == good);
 }
 
 TEST_CASE("rules: an instance's random words differ by seed, ID and purpose") {

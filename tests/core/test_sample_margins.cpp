@@ -13,8 +13,8 @@ using namespace thicket::test;
 
 namespace {
 
-constexpr SampleMargins none{.first = 0, .widest = 0};
-constexpr SampleMargins growing{.first = 0, .widest = 64};
+constexpr SampleMargins no_margins{.first = 0, .widest = 0};
+constexpr SampleMargins growing_margins{.first = 0, .widest = 64};
 
 /// Checks that the error specifies the set that could not be sampled and a position in or near
 /// `rect`.
@@ -23,8 +23,8 @@ void check_too_wide(const Status &status, const PointSet &set, const Rect &rect)
 	CHECK(status.property == std::string("rect"));
 	CHECK(status.site.seed == set.seed);
 	CHECK(status.site.radius == set.radius);
-	const double near = 200.0 * set.radius;
-	CHECK(Rect{rect.min - near, rect.max + near}.contains(status.site.position));
+	const double max_offset = 200.0 * set.radius;
+	CHECK(Rect{rect.min - max_offset, rect.max + max_offset}.contains(status.site.position));
 }
 
 } // namespace
@@ -34,9 +34,9 @@ TEST_CASE("sample margins: a margin that has to grow produces the same points") 
 		CAPTURE(levels);
 		const PointSet set{.seed = 5, .radius = 0.5, .levels = levels, .layer = 2};
 		const Rect rect{{-40.0, 100.0}, {60.0, 130.0}};
-		TileSampler usual, narrow(growing);
+		TileSampler default_sampler, narrow(growing_margins);
 		std::vector<SamplePoint> expected, points;
-		REQUIRE(usual.sample(set, rect, expected).ok());
+		REQUIRE(default_sampler.sample(set, rect, expected).ok());
 		REQUIRE(narrow.sample(set, rect, points).ok());
 		CHECK(narrow.stats().retries > 0);
 		CHECK(points == expected);
@@ -48,7 +48,7 @@ TEST_CASE("sample margins: the error for an area that the widest margin cannot d
 		CAPTURE(levels);
 		const PointSet set{.seed = ~std::uint64_t{0}, .radius = 2.5, .levels = levels};
 		const Rect rect{{1000.0, -500.0}, {1100.0, -420.0}};
-		TileSampler sampler(none);
+		TileSampler sampler(no_margins);
 		std::vector<SamplePoint> points(7);
 		const Status status = sampler.sample(set, rect, points);
 		check_too_wide(status, set, rect);
@@ -72,24 +72,24 @@ TEST_CASE("sample margins: the error for an area that the widest margin cannot d
 TEST_CASE("sample margins: a tile that cannot be sampled stays unchanged") {
 	const std::vector<WorldLayer> layers = world_layers();
 	const EndlessHills terrain;
-	TileBuilder usual, narrow(none);
+	TileBuilder default_builder, narrow(no_margins);
 	TileInstances tile;
 	const Rect rect{{0.0, 0.0}, {64.0, 64.0}};
-	REQUIRE(usual.build(layers[0].settings, terrain, rect, tile).ok());
+	REQUIRE(default_builder.build(layers[0].settings, terrain, rect, tile).ok());
 	const std::uint64_t before = digest(tile);
 	check_too_wide(narrow.build(layers[0].settings, terrain, rect, tile), layers[0].settings.set, rect);
 	CHECK(digest(tile) == before);
 	// The neighbors of a layer are sampled before the layer.
 	check_too_wide(narrow.build(layers[1].settings, terrain, rect, tile), layers[0].settings.set, rect);
-	TileBuilder patient(growing);
+	TileBuilder patient(growing_margins);
 	REQUIRE(patient.build(layers[0].settings, terrain, rect, tile).ok());
 	CHECK(digest(tile) == before);
 }
 
 TEST_CASE("sample margins: queries return the error of a tile that could not be sampled") {
-	World world(none);
+	World world(no_margins);
 	const std::vector<QueryLayer> query_layers = world.query_layers();
-	const InstanceQuery query{query_layers, world, nullptr, none};
+	const InstanceQuery query{query_layers, world, nullptr, no_margins};
 	const PointSet &trees = query_layers[0].set;
 	std::vector<PlacedInstance> found(3);
 	check_too_wide(query.in_rect(glade, {}, found), trees, glade);

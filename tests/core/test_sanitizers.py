@@ -17,9 +17,9 @@ def check(selection: str, timeout: float):
     runner = CHECKED / "core_tests"
     build("sanitize=address,undefined", "scu_build=yes", runner.relative_to(REPO), timeout=1800)
     environment = {**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1", "ASAN_OPTIONS": "detect_leaks=1"}
-    done = run([runner, "--no-intro", f"--{selection}={LONG_CASES}"], timeout=timeout, env=environment)
-    assert done.returncode == 0, (done.stdout + done.stderr)[-8000:]
-    assert "0 failed" in done.stdout
+    result = run([runner, "--no-intro", f"--{selection}={LONG_CASES}"], timeout=timeout, env=environment)
+    assert result.returncode == 0, (result.stdout + result.stderr)[-8000:]
+    assert "0 failed" in result.stdout
 
 
 def test_no_case_triggers_a_sanitizer():

@@ -60,18 +60,19 @@ std::map<std::uint64_t, Placed> placed_in(const TileInstances &tile) {
 }
 
 /// Returns the value of a source at an instance, from its position. A reference implementation.
-double value_at(SourceKind kind, const Placed &placed, const Terrain &terrain, std::span<const glm::dvec2> others) {
-	const glm::dvec2 position{placed.position.x, placed.position.z};
+double value_at(
+		SourceKind kind, const Placed &instance, const Terrain &terrain, std::span<const glm::dvec2> neighbors) {
+	const glm::dvec2 position{instance.position.x, instance.position.z};
 	const Ground ground = terrain.at(position);
 	switch (kind) {
 		case SourceKind::height: return double{ground.height};
 		case SourceKind::slope: return slope_degrees(ground.normal);
 		case SourceKind::noise: return std::clamp(double{Waves::at(position)}, 0.0, 1.0);
-		case SourceKind::rank: return placed.rank * 0x1p-32;
+		case SourceKind::rank: return instance.rank * 0x1p-32;
 		default: break;
 	}
 	double nearest = 1e9;
-	for (const glm::dvec2 other : others) {
+	for (const glm::dvec2 other : neighbors) {
 		nearest = std::min(nearest, glm::distance(position, other));
 	}
 	return nearest;
@@ -88,27 +89,27 @@ std::shared_ptr<const CurveTable> falling() {
 
 TEST_CASE("scale sources: the scale matches the source's value at the instance") {
 	const Heightfield terrain = hills();
-	std::vector<glm::dvec2> others;
+	std::vector<glm::dvec2> neighbors;
 	for (const auto &[id, oak] : placed_in(built(*oaks(), terrain, grown(tile_of_hills, 2.0 * farthest)))) {
-		others.emplace_back(oak.position.x, oak.position.z);
+		neighbors.emplace_back(oak.position.x, oak.position.z);
 	}
 	for (const SourceKind kind : kinds) {
 		CAPTURE(static_cast<int>(kind));
 		const InstanceSource source = source_of(kind);
-		std::size_t between = 0;
-		std::size_t wrong = 0;
+		std::size_t middle_count = 0;
+		std::size_t wrong_count = 0;
 		for (const auto &[id, placed] : placed_in(built(layer_with_scale(source), terrain, tile_of_hills))) {
-			const double value = value_at(kind, placed, terrain, others);
+			const double value = value_at(kind, placed, terrain, neighbors);
 			if (std::isnan(value)) {
 				continue;
 			}
 			const double expected = 0.25 + 1.75 * expected_fraction(source, value);
 			// Noise jumps where its period ends, and positions are rounded to floats.
-			wrong += std::abs(double{placed.scale()} - expected) < 1e-3 ? 0 : 1;
-			between += expected > 0.26 && expected < 1.99 ? 1 : 0;
+			wrong_count += std::abs(double{placed.scale()} - expected) < 1e-3 ? 0 : 1;
+			middle_count += expected > 0.26 && expected < 1.99 ? 1 : 0;
 		}
-		CHECK(wrong <= 1);
-		CHECK(between > 100);
+		CHECK(wrong_count <= 1);
+		CHECK(middle_count > 100);
 	}
 }
 
@@ -120,14 +121,15 @@ TEST_CASE("scale sources: a source affects no other part of an instance") {
 		REQUIRE(after.size() == before.size());
 		double differences = 0.0;
 		for (const auto &[id, placed] : after) {
-			const Placed &was = before.at(id);
-			CHECK(placed.position == was.position);
-			CHECK(placed.rank == was.rank);
-			CHECK(placed.mesh == was.mesh);
+			const Placed &previous = before.at(id);
+			CHECK(placed.position == previous.position);
+			CHECK(placed.rank == previous.rank);
+			CHECK(placed.mesh == previous.mesh);
 			for (std::size_t axis = 0; axis < 3; ++axis) {
-				CHECK(glm::distance(placed.axes[axis] / placed.scale(), was.axes[axis] / was.scale()) < 1e-5f);
+				CHECK(glm::distance(placed.axes[axis] / placed.scale(), previous.axes[axis] / previous.scale()) <
+						1e-5f);
 			}
-			differences += std::abs(placed.scale() - was.scale());
+			differences += std::abs(placed.scale() - previous.scale());
 		}
 		CHECK(differences > 100.0);
 	}
@@ -163,17 +165,17 @@ TEST_CASE("scale sources: tiles of any size, threads and compact tiles contain t
 		source.randomness = 0.3;
 		const LayerSettings layer = layer_with_scale(source);
 		const TileInstances tile = built(layer, terrain, tile_of_hills);
-		std::map<std::uint64_t, float> together;
+		std::map<std::uint64_t, float> joined_parts;
 		for (double y = tile_of_hills.min.y; y < tile_of_hills.max.y; y += 11.0) {
-			const Rect part{{tile_of_hills.min.x, y}, {tile_of_hills.max.x, std::min(y + 11.0, tile_of_hills.max.y)}};
-			for (const auto &[id, placed] : placed_in(built(layer, terrain, part))) {
-				together.emplace(id, placed.axes[1].y);
+			const Rect slice{{tile_of_hills.min.x, y}, {tile_of_hills.max.x, std::min(y + 11.0, tile_of_hills.max.y)}};
+			for (const auto &[id, placed] : placed_in(built(layer, terrain, slice))) {
+				joined_parts.emplace(id, placed.axes[1].y);
 			}
 		}
-		const auto whole = placed_in(tile);
-		REQUIRE(together.size() == whole.size());
-		for (const auto &[id, placed] : whole) {
-			CHECK(together.at(id) == placed.axes[1].y);
+		const auto whole_tile = placed_in(tile);
+		REQUIRE(joined_parts.size() == whole_tile.size());
+		for (const auto &[id, placed] : whole_tile) {
+			CHECK(joined_parts.at(id) == placed.axes[1].y);
 		}
 		check_on_threads(layer, terrain, digest(tile));
 		const std::shared_ptr<const CompactTile> compact = compact_tile(layer, tile);

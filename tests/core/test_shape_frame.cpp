@@ -37,10 +37,10 @@ glm::dmat3 scaled(glm::dmat3 basis, glm::dvec3 scale) {
 double distance_to(const std::vector<glm::dvec2> &line, glm::dvec2 point) {
 	double nearest = infinite_value;
 	for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-		const glm::dvec2 way = line[i + 1] - line[i];
-		const double length = glm::dot(way, way);
-		const double along = length > 0.0 ? std::clamp(glm::dot(point - line[i], way) / length, 0.0, 1.0) : 0.0;
-		nearest = std::min(nearest, glm::distance(point, line[i] + along * way));
+		const glm::dvec2 segment = line[i + 1] - line[i];
+		const double length = glm::dot(segment, segment);
+		const double fraction = length > 0.0 ? std::clamp(glm::dot(point - line[i], segment) / length, 0.0, 1.0) : 0.0;
+		nearest = std::min(nearest, glm::distance(point, line[i] + fraction * segment));
 	}
 	return nearest;
 }
@@ -122,8 +122,8 @@ TEST_CASE("polyline: straight lines, single points, repeated points and points t
 	CHECK(simplified(std::vector<glm::dvec2>{{1.0, 2.0}}, 1.0).size() == 1);
 	CHECK(simplified(std::vector<glm::dvec2>(5, {1.0, 2.0}), 0.0).size() == 2);
 	// A line to the end and back.
-	const std::vector<glm::dvec2> back{{0.0, 0.0}, {5.0, 0.0}, {10.0, 0.0}, {5.0, 0.0}, {0.0, 0.0}};
-	CHECK(simplified(back, 0.1).size() == 3);
+	const std::vector<glm::dvec2> folded{{0.0, 0.0}, {5.0, 0.0}, {10.0, 0.0}, {5.0, 0.0}, {0.0, 0.0}};
+	CHECK(simplified(folded, 0.1).size() == 3);
 	const std::vector<glm::dvec2> broken{{0.0, 0.0}, {5.0, 1.0}, {nan_value, 0.0}, {9.0, 9.0}};
 	CHECK(simplified(broken, 0.1).size() == 2);
 }

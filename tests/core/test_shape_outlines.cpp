@@ -47,11 +47,11 @@ double distance_to_edge(glm::dvec2 a, glm::dvec2 b, glm::dvec2 position) {
 	if (length == 0.0) {
 		return glm::distance(a, position);
 	}
-	const glm::dvec2 along = (b - a) / length;
-	const double t = glm::dot(position - a, along);
+	const glm::dvec2 direction = (b - a) / length;
+	const double t = glm::dot(position - a, direction);
 	return t <= 0.0       ? glm::distance(a, position)
 			: t >= length ? glm::distance(b, position)
-						  : std::abs(along.x * (position.y - a.y) - along.y * (position.x - a.x));
+						  : std::abs(direction.x * (position.y - a.y) - direction.y * (position.x - a.x));
 }
 
 double plain_distance(const Points &points, bool closed, glm::dvec2 position) {
@@ -108,9 +108,10 @@ TEST_CASE("outlines: a polygon's border is outside, and the depth is the distanc
 TEST_CASE("outlines: a border of many short edges is outside everywhere") {
 	constexpr int side = 12;
 	Points square;
-	const std::array<glm::dvec2, 4> along{glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(-1, 0), glm::dvec2(0, -1)};
+	const std::array<glm::dvec2, 4> directions{
+			glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(-1, 0), glm::dvec2(0, -1)};
 	glm::dvec2 at(0.0);
-	for (const glm::dvec2 step : along) {
+	for (const glm::dvec2 step : directions) {
 		for (int i = 0; i < side; ++i) {
 			square.push_back(at);
 			at += step;
@@ -168,13 +169,13 @@ TEST_CASE("outlines: next to the common edge of two polygons, every position is 
 	for (int round = 0; round < 200; ++round) {
 		const glm::dvec2 a(10.0 * unit(random), 0.0);
 		const glm::dvec2 b(10.0 * unit(random), 10.0);
-		const Outline left = outline_of({a, b, {-1.0, 10.0}, {-1.0, 0.0}}, true);
+		const Outline left_side = outline_of({a, b, {-1.0, 10.0}, {-1.0, 0.0}}, true);
 		const Outline right = outline_of({b, a, {11.0, 0.0}, {11.0, 10.0}}, true);
 		for (int i = 0; i < 50; ++i) {
 			const double y = 10.0 * unit(random);
 			const double x = a.x + (b.x - a.x) * y / 10.0 + (unit(random) - 0.5) * 1e-14;
-			CHECK(!(left.contains({x, y}) && right.contains({x, y})));
-			CHECK((left.contains({x, y}) || right.contains({x, y}) || left.distance({x, y}, 1.0) < 1e-14));
+			CHECK(!(left_side.contains({x, y}) && right.contains({x, y})));
+			CHECK((left_side.contains({x, y}) || right.contains({x, y}) || left_side.distance({x, y}, 1.0) < 1e-14));
 		}
 	}
 }
@@ -217,11 +218,11 @@ TEST_CASE("outlines: repeated points of a path have no effect; a path with a sin
 TEST_CASE("outlines: random lines of any length match a scan of all edges") {
 	std::mt19937 random(2);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
-	for (const double far : {0.0, 1e7}) {
+	for (const double shift : {0.0, 1e7}) {
 		for (const std::size_t count :
 				std::vector<std::size_t>{1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 31, 33, 64, 65, 100, 129, 1000}) {
 			Points points;
-			glm::dvec2 at(far, -far);
+			glm::dvec2 at(shift, -shift);
 			for (std::size_t i = 0; i < count; ++i) {
 				at += glm::dvec2(unit(random), unit(random));
 				points.push_back(i % 7 == 3 ? points.back() : at);
@@ -234,7 +235,7 @@ TEST_CASE("outlines: random lines of any length match a scan of all edges") {
 							points[random() % count] + spread * glm::dvec2(unit(random), unit(random));
 					const double distance = plain_distance(points, closed, position);
 					CAPTURE(count);
-					CHECK(std::abs(outline.distance(position, 1e9) - distance) < (far > 0.0 ? 1e-8 : 1e-12));
+					CHECK(std::abs(outline.distance(position, 1e9) - distance) < (shift > 0.0 ? 1e-8 : 1e-12));
 					CHECK(outline.distance(position, distance * 0.75) == distance * 0.75);
 					if (closed && distance > 1e-8) {
 						CHECK(outline.contains(position) == plain_contains(points, position));

@@ -173,13 +173,13 @@ TEST_CASE("shapes: bounds contain the border with a minimal margin") {
 		path.outline = {{8.0, -206.0}, {12.0, -194.0}};
 		return path;
 	}();
-	for (const Shape &of : {shape, ring}) {
-		const Rect reach = bounds(of);
-		CHECK(reach.contains({14.0, -192.0}));
-		CHECK(reach.contains({6.0, -208.0}));
-		for (const glm::dvec2 beside : {glm::dvec2(14.0 + 1e-9, -200.0), glm::dvec2(6.0 - 1e-9, -200.0),
+	for (const Shape &each_shape : {shape, ring}) {
+		const Rect shape_bounds = bounds(each_shape);
+		CHECK(shape_bounds.contains({14.0, -192.0}));
+		CHECK(shape_bounds.contains({6.0, -208.0}));
+		for (const glm::dvec2 outside : {glm::dvec2(14.0 + 1e-9, -200.0), glm::dvec2(6.0 - 1e-9, -200.0),
 					 glm::dvec2(10.0, -192.0 + 1e-9), glm::dvec2(10.0, -208.0 - 1e-9)}) {
-			CHECK(!reach.contains(beside));
+			CHECK(!shape_bounds.contains(outside));
 		}
 	}
 	CHECK(bounds(box({-3.0, 0.0, -4.0}, {3.0, 1.0, 4.0})).contains({0.0, 0.0})); // A border at 0 has a margin as well.
@@ -209,21 +209,21 @@ TEST_CASE("shapes: the density is the strongest inclusion times the remainder of
 }
 
 TEST_CASE("shapes: nothing is included far from the only including shape; a far excluding shape has no effect") {
-	Shape far = box({1e6, 0.0, 0.0}, {10.0, 10.0, 10.0});
-	const Rect here{{-50.0, -50.0}, {50.0, 50.0}};
-	std::vector<std::uint32_t> near{7};
-	const ShapeSet including = set_of({far});
+	Shape far_shape = box({1e6, 0.0, 0.0}, {10.0, 10.0, 10.0});
+	const Rect near_area{{-50.0, -50.0}, {50.0, 50.0}};
+	std::vector<std::uint32_t> near_shapes{7};
+	const ShapeSet including = set_of({far_shape});
 	CHECK(including.includes());
-	REQUIRE(including.find_nearby(here, near).ok());
-	CHECK(near.empty());
-	CHECK(including.density(near, {0.0, 0.0, 0.0}) == 0.0);
+	REQUIRE(including.find_nearby(near_area, near_shapes).ok());
+	CHECK(near_shapes.empty());
+	CHECK(including.density(near_shapes, {0.0, 0.0, 0.0}) == 0.0);
 
-	far.exclude = true;
-	const ShapeSet excluding = set_of({far});
+	far_shape.exclude = true;
+	const ShapeSet excluding = set_of({far_shape});
 	CHECK(!excluding.includes());
-	REQUIRE(excluding.find_nearby(here, near).ok());
-	CHECK(near.empty());
-	CHECK(excluding.density(near, {0.0, 0.0, 0.0}) == 1.0);
+	REQUIRE(excluding.find_nearby(near_area, near_shapes).ok());
+	CHECK(near_shapes.empty());
+	CHECK(excluding.density(near_shapes, {0.0, 0.0, 0.0}) == 1.0);
 	CHECK(set_of({}).empty());
 }
 
@@ -234,28 +234,28 @@ TEST_CASE("shapes: near returns the shapes that touch an area, in order, and bou
 		const std::vector<Shape> shapes = random_shapes(12, random);
 		const ShapeSet set = set_of(shapes);
 		const Rect area = rect_around({40.0 * unit(random), 40.0 * unit(random)}, 2.0 + 10.0 * std::abs(unit(random)));
-		std::vector<std::uint32_t> near;
-		REQUIRE(set.find_nearby(area, near).ok());
-		CHECK(std::ranges::is_sorted(near));
+		std::vector<std::uint32_t> near_shapes;
+		REQUIRE(set.find_nearby(area, near_shapes).ok());
+		CHECK(std::ranges::is_sorted(near_shapes));
 		for (std::uint32_t i = 0; i < shapes.size(); ++i) {
-			const Rect reach = bounds(shapes[i]);
-			const bool touches = area.min.x <= reach.max.x && reach.min.x <= area.max.x && area.min.y <= reach.max.y &&
-					reach.min.y <= area.max.y;
-			CHECK((std::ranges::count(near, i) == (touches ? 1 : 0)));
+			const Rect shape_bounds = bounds(shapes[i]);
+			const bool touches = area.min.x <= shape_bounds.max.x && shape_bounds.min.x <= area.max.x &&
+					area.min.y <= shape_bounds.max.y && shape_bounds.min.y <= area.max.y;
+			CHECK((std::ranges::count(near_shapes, i) == (touches ? 1 : 0)));
 			Shape alone = shapes[i];
 			alone.exclude = false;
 			alone.falloff = 0.0;
 			const ShapeSet lonely = set_of({alone});
 			for (int k = 0; k < 50; ++k) {
 				const glm::dvec3 position(60.0 * unit(random), 10.0 * unit(random), 60.0 * unit(random));
-				CHECK((density_of(lonely, position) == 0.0 || reach.contains({position.x, position.z})));
+				CHECK((density_of(lonely, position) == 0.0 || shape_bounds.contains({position.x, position.z})));
 			}
 		}
 		// The area that is passed to `near` does not affect the density.
 		for (int k = 0; k < 50; ++k) {
 			const glm::dvec3 position(area.center().x + unit(random) * 0.5 * area.size().x, 10.0 * unit(random),
 					area.center().y + unit(random) * 0.5 * area.size().y);
-			CHECK(set.density(near, position) == density_of(set, position));
+			CHECK(set.density(near_shapes, position) == density_of(set, position));
 		}
 	}
 }
@@ -263,16 +263,16 @@ TEST_CASE("shapes: near returns the shapes that touch an area, in order, and bou
 TEST_CASE("shapes: moving, adding or removing a shape has no effect outside its old and its new bounds") {
 	std::mt19937 random(6);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
-	int changed = 0;
+	int changed_count = 0;
 	for (int round = 0; round < 40; ++round) {
 		std::vector<Shape> shapes = random_shapes(8, random);
 		// Adding the first including shape, or removing the last, would change the rest of the
 		// world.
 		shapes[0].exclude = false;
 		const ShapeSet before = set_of(shapes);
-		const std::size_t moved = 1 + random() % 7;
-		const Rect old_bounds = bounds(shapes[moved]);
-		Shape &shape = shapes[moved];
+		const std::size_t moved_index = 1 + random() % 7;
+		const Rect old_bounds = bounds(shapes[moved_index]);
+		Shape &shape = shapes[moved_index];
 		const glm::dvec2 by(20.0 * unit(random), 20.0 * unit(random));
 		shape.center += glm::dvec3(by.x, 0.0, by.y);
 		for (glm::dvec2 &point : shape.outline) {
@@ -280,20 +280,20 @@ TEST_CASE("shapes: moving, adding or removing a shape has no effect outside its 
 		}
 		const Rect new_bounds = bounds(shape);
 		const ShapeSet after = set_of(shapes);
-		shapes.erase(shapes.begin() + static_cast<std::ptrdiff_t>(moved));
-		const ShapeSet without = set_of(shapes);
+		shapes.erase(shapes.begin() + static_cast<std::ptrdiff_t>(moved_index));
+		const ShapeSet without_shape = set_of(shapes);
 		for (int k = 0; k < 500; ++k) {
 			const glm::dvec3 position(60.0 * unit(random), 5.0 * unit(random), 60.0 * unit(random));
 			const glm::dvec2 flat(position.x, position.z);
 			const bool in_old = old_bounds.contains(flat);
 			const bool in_new = new_bounds.contains(flat);
 			CHECK((in_old || in_new || density_of(before, position) == density_of(after, position)));
-			CHECK((in_old || density_of(before, position) == density_of(without, position)));
-			CHECK((in_new || density_of(after, position) == density_of(without, position)));
-			changed += density_of(before, position) != density_of(after, position) ? 1 : 0;
+			CHECK((in_old || density_of(before, position) == density_of(without_shape, position)));
+			CHECK((in_new || density_of(after, position) == density_of(without_shape, position)));
+			changed_count += density_of(before, position) != density_of(after, position) ? 1 : 0;
 		}
 	}
-	CHECK(changed > 300);
+	CHECK(changed_count > 300);
 }
 
 TEST_CASE("shapes: far from the origin, a shape is the same within the precision of the coordinates") {
@@ -301,28 +301,28 @@ TEST_CASE("shapes: far from the origin, a shape is the same within the precision
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	const glm::dvec2 far(1e7, -1e7);
 	for (const Shape &shape : random_shapes(60, random)) {
-		Shape moved = shape;
-		moved.center += glm::dvec3(far.x, 0.0, far.y);
-		for (glm::dvec2 &point : moved.outline) {
+		Shape moved_shape = shape;
+		moved_shape.center += glm::dvec3(far.x, 0.0, far.y);
+		for (glm::dvec2 &point : moved_shape.outline) {
 			point += far;
 		}
 		const ShapeSet near_set = set_of({shape});
-		const ShapeSet far_set = set_of({moved});
+		const ShapeSet far_set = set_of({moved_shape});
 		const double grain = 1e-8; // Several roundings of a double at 1e7 m.
 		for (int k = 0; k < 100; ++k) {
 			const glm::dvec3 position(60.0 * unit(random), 5.0 * unit(random), 60.0 * unit(random));
-			const double here = density_of(near_set, position);
-			const double there = density_of(far_set, position + glm::dvec3(far.x, 0.0, far.y));
-			CHECK((std::abs(here - there) * std::max(shape.falloff, grain) <= grain));
+			const double density = density_of(near_set, position);
+			const double far_density = density_of(far_set, position + glm::dvec3(far.x, 0.0, far.y));
+			CHECK((std::abs(density - far_density) * std::max(shape.falloff, grain) <= grain));
 		}
 	}
 }
 
 TEST_CASE("shapes: a position that is not finite has a density of 0") {
 	const ShapeSet set = set_of({box({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, true)});
-	for (const glm::dvec3 nowhere : {glm::dvec3(nan_value, 0.0, 0.0), glm::dvec3(0.0, nan_value, 0.0),
+	for (const glm::dvec3 invalid_position : {glm::dvec3(nan_value, 0.0, 0.0), glm::dvec3(0.0, nan_value, 0.0),
 				 glm::dvec3(0.0, 0.0, infinite_value), glm::dvec3(0.0, -infinite_value, 0.0)}) {
-		CHECK(set.density({}, nowhere) == 0.0);
+		CHECK(set.density({}, invalid_position) == 0.0);
 	}
 	CHECK(set.density({}, {9.0, 0.0, 0.0}) == 1.0);
 }
@@ -389,12 +389,12 @@ TEST_CASE("shapes: shapes that miss the position or cannot change the result are
 				.half_size = {7.7, 0.0, 0.0},
 				.outline = {}};
 	};
-	const std::vector<std::uint32_t> near{0, 1};
+	const std::vector<std::uint32_t> near_shapes{0, 1};
 	const auto computes_sphere = [&](std::vector<Shape> shapes) {
 		ShapeSet set;
 		REQUIRE(set.set(std::move(shapes)).ok());
 		ShapeEffect effect;
-		const bool computed = rounds([&] { effect = set.effect(near, {1.0, 1.0, 1.0}); });
+		const bool computed = rounds([&] { effect = set.effect(near_shapes, {1.0, 1.0, 1.0}); });
 		CHECK(effect.included == 1.0);
 		return computed;
 	};

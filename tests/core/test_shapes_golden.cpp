@@ -54,8 +54,8 @@ glm::dmat3 turn(std::mt19937 &random) {
 }
 
 void add(Digest &r_digest, const Ground &ground) {
-	const bool none = std::isnan(ground.height); // NaN has many bit patterns.
-	r_digest.add(none ? -1e9f : ground.height);
+	const bool is_hole = std::isnan(ground.height); // NaN has many bit patterns.
+	r_digest.add(is_hole ? -1e9f : ground.height);
 	r_digest.add(ground.normal.x);
 	r_digest.add(ground.normal.y);
 	r_digest.add(ground.normal.z);

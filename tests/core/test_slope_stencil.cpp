@@ -28,11 +28,11 @@ std::array<float, 4> plane(const SlopeStencil &stencil, double x, double z) {
 } // namespace
 
 TEST_CASE("slope stencil: a plane has its normal everywhere") {
-	for (const double far : {0.0, -3.7, 1e3, -1e6, 3.3e6, 9.9e6, -1e9}) {
-		const SlopeStencil stencil({far, -far + 0.3});
+	for (const double shift : {0.0, -3.7, 1e3, -1e6, 3.3e6, 9.9e6, -1e9}) {
+		const SlopeStencil stencil({shift, -shift + 0.3});
 		const glm::vec3 normal = stencil.normal(0.0F, plane(stencil, 2.0, -0.5));
 		const glm::vec3 expected = glm::normalize(glm::vec3{-2.0F, 1.0F, 0.5F});
-		CAPTURE(far);
+		CAPTURE(shift);
 		CHECK(glm::distance(normal, expected) < 1e-6F);
 	}
 }
@@ -55,10 +55,10 @@ TEST_CASE("slope stencil: positions are floats, half a meter away where precisio
 TEST_CASE("slope stencil: next to a hole, the slope comes from the remaining ground") {
 	const SlopeStencil stencil({100.0, -50.0});
 	std::array<float, 4> heights = plane(stencil, 1.0, -1.0);
-	const glm::vec3 whole = stencil.normal(0.0F, heights);
+	const glm::vec3 normal = stencil.normal(0.0F, heights);
 	heights[0] = missing;
 	heights[3] = std::numeric_limits<float>::infinity();
-	CHECK(glm::distance(stencil.normal(0.0F, heights), whole) < 1e-6F);
+	CHECK(glm::distance(stencil.normal(0.0F, heights), normal) < 1e-6F);
 	heights[1] = missing;
 	CHECK(glm::distance(stencil.normal(0.0F, heights), glm::normalize(glm::vec3{0.0F, 1.0F, 1.0F})) < 1e-6F);
 	CHECK(stencil.normal(0.0F, std::array<float, 4>{missing, missing, missing, missing}) ==

@@ -40,13 +40,13 @@ bool is_closed(const std::vector<glm::vec3> &corners) {
 	for (std::size_t index = 0; index < corners.size(); index += 3) {
 		for (std::size_t corner = 0; corner < 3; ++corner) {
 			const Point from = point(corners[index + corner]);
-			const Point to = point(corners[index + (corner + 1) % 3]);
-			++edges[{from, to}];
+			const Point target = point(corners[index + (corner + 1) % 3]);
+			++edges[{from, target}];
 		}
 	}
 	return std::ranges::all_of(edges, [&](const auto &edge) {
-		const auto back = edges.find({edge.first.second, edge.first.first});
-		return edge.second == 1 && back != edges.end() && back->second == 1;
+		const auto opposite = edges.find({edge.first.second, edge.first.first});
+		return edge.second == 1 && opposite != edges.end() && opposite->second == 1;
 	});
 }
 

@@ -114,17 +114,17 @@ TEST_CASE("sources: colors and variations match each source's value at the insta
 				appearance_of(built(layer_with_sources(color, variation), terrain, tile_of_hills));
 		CHECK(appearances.size() > 500);
 		std::size_t first = 0;
-		std::size_t between = 0;
+		std::size_t mixed_count = 0;
 		for (const auto &[id, seen] : appearances) {
 			const double expected = expected_fraction(color, finder.at(color.kind, points.at(id), seen.rank));
-			const double along = std::min(expected * colors, colors - 1.0);
-			CHECK(std::abs(static_cast<double>(seen.color) + 0.5 - along) <= 0.5 + 1e-3);
+			const double color_position = std::min(expected * colors, colors - 1.0);
+			CHECK(std::abs(static_cast<double>(seen.color) + 0.5 - color_position) <= 0.5 + 1e-3);
 			first += seen.color == 0 ? 1 : 0;
-			between += seen.color > 0 && seen.color < colors - 1 ? 1 : 0;
+			mixed_count += seen.color > 0 && seen.color < colors - 1 ? 1 : 0;
 			const double other = expected_fraction(variation, finder.at(variation.kind, points.at(id), seen.rank));
 			CHECK(std::abs(double{seen.variation} - other) < 1e-3);
 		}
-		CHECK(between > 100); // Many values lie inside the range, and some are at its lower end.
+		CHECK(mixed_count > 100); // Many values lie inside the range, and some are at its lower end.
 		CHECK((first > 10 || kinds[i] == SourceKind::rank));
 	}
 }
@@ -138,10 +138,11 @@ TEST_CASE("sources: colors and variations affect no other data of a tile") {
 		for (std::size_t mesh = 0; mesh < before.meshes.size(); ++mesh) {
 			CHECK(after.meshes[mesh].ids == before.meshes[mesh].ids);
 			for (std::size_t i = 0; i < before.meshes[mesh].size(); ++i) {
-				const float *was = before.meshes[mesh].buffer.data() + i * 20;
-				const float *is = after.meshes[mesh].buffer.data() + i * 20;
-				CHECK(std::equal(was, was + 12, is));
-				CHECK(std::equal(was + 17, was + 20, is + 17)); // The wind phase, the rank and the scale.
+				const float *old_floats = before.meshes[mesh].buffer.data() + i * 20;
+				const float *new_floats = after.meshes[mesh].buffer.data() + i * 20;
+				CHECK(std::equal(old_floats, old_floats + 12, new_floats));
+				CHECK(std::equal(
+						old_floats + 17, old_floats + 20, new_floats + 17)); // The wind phase, the rank and the scale.
 			}
 		}
 	}
@@ -169,11 +170,11 @@ TEST_CASE("sources: randomness spreads values evenly over its part of the gradie
 	const Appearances spread = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
 	double sum = 0.0;
 	for (const auto &[id, seen] : spread) {
-		const double apart =
+		const double color_distance =
 				static_cast<double>(seen.color) / colors - 0.8 * static_cast<double>(sharp.at(id).color) / colors;
-		CHECK(apart > -2e-3);
-		CHECK(apart < 0.2 + 2e-3);
-		sum += apart;
+		CHECK(color_distance > -2e-3);
+		CHECK(color_distance < 0.2 + 2e-3);
+		sum += color_distance;
 	}
 	CHECK(sum / static_cast<double>(spread.size()) == doctest::Approx(0.1).epsilon(0.1));
 }
@@ -186,17 +187,17 @@ TEST_CASE("sources: tiles of any size and order, and threads, produce the same v
 		color.randomness = 0.3;
 		const LayerSettings layer = layer_with_sources(color, source_of(kinds[(i + 1) % kinds.size()]));
 		const TileInstances tile = built(layer, terrain, tile_of_hills);
-		const Appearances whole = appearance_of(tile);
+		const Appearances whole_tile = appearance_of(tile);
 		for (const glm::dvec2 size : {glm::dvec2(128.0, 11.0), glm::dvec2(23.5, 40.0)}) {
-			Appearances together;
+			Appearances joined_parts;
 			for (double y = tile_of_hills.max.y; y > tile_of_hills.min.y; y -= size.y) {
 				for (double x = tile_of_hills.min.x; x < tile_of_hills.max.x; x += size.x) {
-					const Rect part{{x, std::max(y - size.y, tile_of_hills.min.y)},
+					const Rect slice{{x, std::max(y - size.y, tile_of_hills.min.y)},
 							{std::min(x + size.x, tile_of_hills.max.x), y}};
-					together.merge(appearance_of(built(layer, terrain, part)));
+					joined_parts.merge(appearance_of(built(layer, terrain, slice)));
 				}
 			}
-			CHECK(together == whole);
+			CHECK(joined_parts == whole_tile);
 		}
 		check_on_threads(layer, terrain, digest(tile));
 	}
@@ -209,29 +210,30 @@ TEST_CASE("sources: the other layer yields to its own neighbors first, which cha
 	auto kept_away = std::make_shared<LayerSettings>(*oaks());
 	kept_away->neighbors = {{stones, 4.0, nullptr}};
 	InstanceSource source = source_of(SourceKind::distance);
-	const Appearances free = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
+	const Appearances unlimited = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
 	source.layer = kept_away;
 	const LayerSettings layer = layer_with_sources(source, {});
 	CHECK(reach(layer) == farthest + 4.0);
 	const Appearances appearances = appearance_of(built(layer, terrain, tile_of_hills));
-	CHECK(appearances != free);
-	const std::vector<glm::dvec2> standing =
+	CHECK(appearances != unlimited);
+	const std::vector<glm::dvec2> standing_positions =
 			instance_positions(*kept_away, terrain, grown(tile_of_hills, 2.0 * farthest));
-	CHECK(standing.size() < instance_positions(*oaks(), terrain, grown(tile_of_hills, 2.0 * farthest)).size());
+	CHECK(standing_positions.size() <
+			instance_positions(*oaks(), terrain, grown(tile_of_hills, 2.0 * farthest)).size());
 	const auto points = points_of(layer.set, tile_of_hills);
-	Appearances together;
+	Appearances joined_parts;
 	for (double y = tile_of_hills.min.y; y < tile_of_hills.max.y; y += 16.0) {
-		const Rect part{{tile_of_hills.min.x, y}, {tile_of_hills.max.x, y + 16.0}};
-		together.merge(appearance_of(built(layer, terrain, part)));
+		const Rect slice{{tile_of_hills.min.x, y}, {tile_of_hills.max.x, y + 16.0}};
+		joined_parts.merge(appearance_of(built(layer, terrain, slice)));
 	}
-	CHECK(together == appearances);
+	CHECK(joined_parts == appearances);
 	for (const auto &[id, seen] : appearances) {
 		double nearest = farthest;
-		for (const glm::dvec2 other : standing) {
+		for (const glm::dvec2 other : standing_positions) {
 			nearest = std::min(nearest, glm::distance(points.at(id), other));
 		}
-		const double along = std::min(expected_fraction(source, nearest) * colors, colors - 1.0);
-		CHECK(std::abs(static_cast<double>(seen.color) + 0.5 - along) <= 0.5 + 1e-3);
+		const double color_position = std::min(expected_fraction(source, nearest) * colors, colors - 1.0);
+		CHECK(std::abs(static_cast<double>(seen.color) + 0.5 - color_position) <= 0.5 + 1e-3);
 	}
 }
 

@@ -73,21 +73,21 @@ TEST_CASE("state formats: a state and a diff of release 0.2.0 load with the same
 
 TEST_CASE("state formats: damaged bytes of release 0.2.0 are rejected, and loaded ones can be saved") {
 	for (const std::string_view hex : {former_state, former_diff}) {
-		const StateBytes whole = bytes_from(hex);
+		const StateBytes all_bytes = bytes_from(hex);
 		StateRecord record;
-		REQUIRE(read(whole, record).ok());
-		StateBytes again;
-		write(record, again, nullptr, former_state_format);
-		CHECK(again == whole);
-		for (std::size_t at = 0; at < whole.size() - 8; ++at) {
+		REQUIRE(read(all_bytes, record).ok());
+		StateBytes saved_again;
+		write(record, saved_again, nullptr, former_state_format);
+		CHECK(saved_again == all_bytes);
+		for (std::size_t at = 0; at < all_bytes.size() - 8; ++at) {
 			for (const int bit : {1, 16, 128}) {
-				StateBytes bytes = whole;
+				StateBytes bytes = all_bytes;
 				bytes[at] ^= static_cast<std::uint8_t>(bit);
 				CHECK_FALSE(read(bytes, record).ok());
 				bytes = with_checksum(bytes);
 				if (read(bytes, record).ok()) {
-					write(record, again, nullptr, record.origin.name != 0 ? state_format : former_state_format);
-					CHECK(again == bytes);
+					write(record, saved_again, nullptr, record.origin.name != 0 ? state_format : former_state_format);
+					CHECK(saved_again == bytes);
 				}
 			}
 		}
@@ -101,12 +101,13 @@ TEST_CASE("state formats: the diff of a single removal is small for a named stat
 	for (int i = 0; i < 1000; ++i) {
 		server.remove(point_id(1, i * 37 % 200, i * 91 % 200));
 	}
-	const std::uint64_t known = server.revision();
+	const std::uint64_t known_revision = server.revision();
 	server.remove(point_id(1, 55, 555));
-	CHECK(diff_of(server, known).size() <= 60); // Release 0.2.0 needs 68 bytes, without the sender and the order.
-	const std::size_t many = diff_of(server, 0).size();
-	CHECK(many < 3 * server.removed_count());
-	CHECK(many <= 315); // Release 0.2.0 needs 318 bytes.
+	CHECK(diff_of(server, known_revision).size() <=
+			60); // Release 0.2.0 needs 68 bytes, without the sender and the order.
+	const std::size_t byte_count = diff_of(server, 0).size();
+	CHECK(byte_count < 3 * server.removed_count());
+	CHECK(byte_count <= 315); // Release 0.2.0 needs 318 bytes.
 }
 
 TEST_CASE("state formats: the header of a diff names its sender and its range of changes") {

@@ -22,8 +22,8 @@ void join(InstanceState &r_state, const StateBytes &bytes) {
 	REQUIRE(r_state.merge_diff(bytes, changes, any_clock).ok());
 }
 
-InstanceState joined(const InstanceState &left, const InstanceState &right) {
-	InstanceState result = copy_of(left);
+InstanceState joined(const InstanceState &first, const InstanceState &right) {
+	InstanceState result = copy_of(first);
 	Changes changes;
 	REQUIRE(result.merge(right, changes).ok());
 	return result;
@@ -56,25 +56,25 @@ TEST_CASE("state join: both directions have equal bytes") {
 
 TEST_CASE("state join: data written later wins, or the greater bytes if the times are equal") {
 	const std::uint64_t id = point_id(1, 2, 3);
-	InstanceState early = state_at(10.0);
-	InstanceState late = state_at(20.0);
-	set(early, id, {9, 9});
-	set(late, id, {1});
-	CHECK(joined(early, late).data(id).size() == 1);
-	CHECK(joined(late, early).data(id).size() == 1);
-	InstanceState same = state_at(20.0);
-	set(same, id, {1, 0});
-	CHECK(joined(same, late).data(id).size() == 2);
-	CHECK(joined(late, same).data(id).size() == 2);
+	InstanceState early_state = state_at(10.0);
+	InstanceState late_state = state_at(20.0);
+	set(early_state, id, {9, 9});
+	set(late_state, id, {1});
+	CHECK(joined(early_state, late_state).data(id).size() == 1);
+	CHECK(joined(late_state, early_state).data(id).size() == 1);
+	InstanceState same_state = state_at(20.0);
+	set(same_state, id, {1, 0});
+	CHECK(joined(same_state, late_state).data(id).size() == 2);
+	CHECK(joined(late_state, same_state).data(id).size() == 2);
 	// A write that replaces known data is treated as later, even if the writer's clock is behind.
-	InstanceState behind = joined(state_at(5.0), early);
-	set(behind, id, {3});
-	CHECK(joined(early, behind).data(id)[0] == 3);
+	InstanceState delayed = joined(state_at(5.0), early_state);
+	set(delayed, id, {3});
+	CHECK(joined(early_state, delayed).data(id)[0] == 3);
 	// Writing the same data again does not count as a new write.
 	Changes changes;
-	REQUIRE(early.advance(90.0, changes).ok());
-	set(early, id, {9, 9});
-	CHECK(joined(early, late).data(id).size() == 1);
+	REQUIRE(early_state.advance(90.0, changes).ok());
+	set(early_state, id, {9, 9});
+	CHECK(joined(early_state, late_state).data(id).size() == 1);
 }
 
 TEST_CASE("state join: of two positions of an instance, the later one wins") {
@@ -82,18 +82,18 @@ TEST_CASE("state join: of two positions of an instance, the later one wins") {
 	const std::uint64_t id = added_to(a, instance_at(1.0, 2.0));
 	InstanceState b = copy_of(a);
 	Changes changes;
-	std::uint64_t moved = 0;
+	std::uint64_t moved_id = 0;
 	REQUIRE(b.advance(5.0, changes).ok());
-	REQUIRE(b.move(id, instance_at(50.0, 2.0), moved, changes).ok());
+	REQUIRE(b.move(id, instance_at(50.0, 2.0), moved_id, changes).ok());
 	REQUIRE(a.advance(9.0, changes).ok());
-	REQUIRE(a.move(id, instance_at(7.0, 2.0), moved, changes).ok());
+	REQUIRE(a.move(id, instance_at(7.0, 2.0), moved_id, changes).ok());
 	CHECK(joined(a, b).added(id)->position.x == 7.0);
 	CHECK(joined(b, a).added(id)->position.x == 7.0);
 	// At equal times, the position with the larger x wins.
 	InstanceState c = copy_of(b);
-	REQUIRE(c.move(id, instance_at(60.0, 2.0), moved, changes).ok());
+	REQUIRE(c.move(id, instance_at(60.0, 2.0), moved_id, changes).ok());
 	InstanceState d = copy_of(b);
-	REQUIRE(d.move(id, instance_at(-60.0, 2.0), moved, changes).ok());
+	REQUIRE(d.move(id, instance_at(-60.0, 2.0), moved_id, changes).ok());
 	CHECK(joined(c, d).added(id)->position.x == 60.0);
 	CHECK(joined(d, c).added(id)->position.x == 60.0);
 }
@@ -105,11 +105,11 @@ TEST_CASE("state join: a peer that still has a change restores it after another 
 	const std::uint64_t oak = added_to(a, instance_at(1.0, 2.0));
 	set(a, point, {1});
 	InstanceState b = copy_of(a);
-	const std::uint64_t known = b.revision();
+	const std::uint64_t known_revision = b.revision();
 	b.restore(point);
 	b.remove(oak);
 	set(b, point, {});
-	join(a, diff_of(b, known));
+	join(a, diff_of(b, known_revision));
 	CHECK(a.removed(point));
 	CHECK(a.added(oak) != nullptr);
 	CHECK(a.data(point).size() == 1);
@@ -125,8 +125,8 @@ TEST_CASE("state join: instances that are due by the later clock are restored") 
 	CHECK_FALSE(joined(a, b).removed(id));
 	CHECK_FALSE(joined(b, a).removed(id));
 	Changes changes;
-	InstanceState later = copy_of(a);
-	REQUIRE(later.merge(b, changes).ok());
+	InstanceState newer = copy_of(a);
+	REQUIRE(newer.merge(b, changes).ok());
 	REQUIRE(changes.size() == 1);
 	CHECK(changes[0].kind == InstanceChangeKind::restored);
 	// A diff advances the clock only up to the limit.
@@ -146,12 +146,12 @@ TEST_CASE("state join: four editing peers converge over a channel that reorders,
 		std::array<std::vector<StateBytes>, 4> boxes;
 		for (int round = 0; round < 500; ++round) {
 			const std::size_t from = random() % peers.size();
-			const std::size_t to = random() % peers.size();
+			const std::size_t target = random() % peers.size();
 			change_at_random(peers[from], random, 1 + static_cast<int>(random() % 2));
-			const StateBytes diff = diff_of(peers[from], sent[from][to]);
-			sent[from][to] = peers[from].revision();
+			const StateBytes diff = diff_of(peers[from], sent[from][target]);
+			sent[from][target] = peers[from].revision();
 			for (auto copies = random() % 5; copies < 4; copies += 3) { // Sends no copy, one, or two.
-				boxes[to].push_back(diff);
+				boxes[target].push_back(diff);
 			}
 			std::vector<StateBytes> &box = boxes[random() % boxes.size()];
 			if (!box.empty()) {
@@ -163,8 +163,8 @@ TEST_CASE("state join: four editing peers converge over a channel that reorders,
 		for (int round = 0; round < 2; ++round) {
 			for (const InstanceState &from : peers) {
 				const StateBytes all = bytes_of(from);
-				for (InstanceState &to : peers) {
-					join(to, all);
+				for (InstanceState &target : peers) {
+					join(target, all);
 				}
 			}
 		}

@@ -9,9 +9,9 @@
 using namespace thicket;
 
 TEST_CASE("statuses: a message names property, allowed range, value and fix") {
-	const double most = std::numeric_limits<double>::max();
+	const double max_double = std::numeric_limits<double>::max();
 	CHECK(describe(check_range("density", 1.5, 0.0, 1.0)) == "density must be between 0 and 1, got 1.5");
-	CHECK(describe(check_range("falloff", -1.0, 0.0, most)) == "falloff must be at least 0, got -1");
+	CHECK(describe(check_range("falloff", -1.0, 0.0, max_double)) == "falloff must be at least 0, got -1");
 	CHECK(describe(check_range("count", 1e9, at_most(1 << 20, "entries"), "Remove some")) ==
 			"count must be at most 1048576 (entries), got 1000000000. Remove some");
 	CHECK(describe(check_range("angle", std::numeric_limits<double>::infinity(), -90.0, 90.0)) ==

@@ -71,13 +71,13 @@ TEST_CASE("streaming: moving back and forth loads no tile twice") {
 	Stage stage(layers);
 	stage.settle({{{0.0, 0.0}}});
 	stage.settle({{{40.0, 0.0}}});
-	const std::size_t once = stage.requested;
+	const std::size_t first_requests = stage.requested;
 	CHECK(stage.dropped == 0);
 	for (int turn = 0; turn < 10; ++turn) {
 		stage.settle({{{0.0, 0.0}}});
 		stage.settle({{{40.0, 0.0}}});
 	}
-	CHECK(stage.requested == once);
+	CHECK(stage.requested == first_requests);
 	CHECK(stage.dropped == 0);
 	stage.settle({{{500.0, 0.0}}});
 	CHECK(stage.dropped > 0);
@@ -101,14 +101,14 @@ TEST_CASE("streaming: a teleport drops, cancels and loads") {
 	const std::size_t before = stage.visible.size();
 	stage.update({{{0.0, 300.0}}}, 5);
 	CHECK(stage.pending.size() == 5);
-	const std::vector<Viewer> far{{{-5e6, 5e6}}};
-	stage.update(far);
+	const std::vector<Viewer> distant{{{-5e6, 5e6}}};
+	stage.update(distant);
 	CHECK(stage.changes.cancel.size() == 5);
 	CHECK(stage.dropped >= before);
 	CHECK(stage.visible.empty());
 	CHECK_FALSE(stage.changes.request.empty());
-	stage.settle(far);
-	check_view(stage, two_layers, far);
+	stage.settle(distant);
+	check_view(stage, two_layers, distant);
 }
 
 TEST_CASE("streaming: several viewers, near each other or apart, each with its own scale, get their tiles") {
@@ -149,13 +149,13 @@ TEST_CASE("streaming: no update is needed until a viewer has moved far enough fo
 	CHECK_FALSE(stage.streamer.follows(viewers));
 	stage.settle(viewers);
 	CHECK(stage.streamer.follows(viewers));
-	const auto moved = [&](double by) {
-		return std::vector<Viewer>{viewers[0], {viewers[1].position + glm::dvec2(by, 0.0)}};
+	const auto moved_viewers = [&](double distance) {
+		return std::vector<Viewer>{viewers[0], {viewers[1].position + glm::dvec2(distance, 0.0)}};
 	};
 	const double slack = slack_tiles * std::min(two_layers[0].tile_size, two_layers[1].tile_size);
-	CHECK(stage.streamer.follows(moved(0.9 * slack)));
-	CHECK_FALSE(stage.streamer.follows(moved(1.1 * slack)));
-	CHECK_FALSE(stage.streamer.follows(moved(1e6)));
+	CHECK(stage.streamer.follows(moved_viewers(0.9 * slack)));
+	CHECK_FALSE(stage.streamer.follows(moved_viewers(1.1 * slack)));
+	CHECK_FALSE(stage.streamer.follows(moved_viewers(1e6)));
 	CHECK_FALSE(stage.streamer.follows(std::vector<Viewer>{viewers[0]}));
 	CHECK_FALSE(stage.streamer.follows(std::vector<Viewer>{viewers[0], {viewers[1].position, 2.0}}));
 	stage.streamer.clear();
@@ -166,9 +166,9 @@ TEST_CASE("streaming: the largest allowed view distance works") {
 	Stage stage({{1.0, 64.0}});
 	stage.settle({{{0.5, 0.5}}});
 	CHECK(stage.visible.size() > 12000);
-	const std::size_t most = stage.requested;
+	const std::size_t max_requests = stage.requested;
 	stage.settle({{{0.5, 0.5}, 1e300}});
-	CHECK(stage.requested == most);
+	CHECK(stage.requested == max_requests);
 	CHECK(stage.visible.size() < 14000);
 }
 

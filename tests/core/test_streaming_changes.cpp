@@ -31,17 +31,17 @@ TEST_CASE("streaming: an outdated tile stays visible until its successor is read
 
 	// A tile is outdated again before its request is finished. The first result is shown, and then
 	// the tile is requested once more.
-	const TileRequest early = stage.changes.request[0];
+	const TileRequest early_request = stage.changes.request[0];
 	stage.streamer.invalidate(1);
 	stage.update(viewers);
 	CHECK(stage.changes.empty());
-	stage.finish(early);
+	stage.finish(early_request);
 	stage.update(viewers);
 	CHECK(stage.changes.cancel.empty());
 	REQUIRE(stage.changes.request.size() == 1);
-	CHECK(stage.changes.request[0].key == early.key);
-	CHECK(stage.changes.request[0].ticket != early.ticket);
-	CHECK_FALSE(stage.streamer.finish(early));
+	CHECK(stage.changes.request[0].key == early_request.key);
+	CHECK(stage.changes.request[0].ticket != early_request.ticket);
+	CHECK_FALSE(stage.streamer.finish(early_request));
 	stage.settle(viewers);
 	CHECK(stage.requested == requested + 2 * of_layer_1);
 	CHECK(stage.dropped == 0);
@@ -56,13 +56,13 @@ TEST_CASE("streaming: requests that are no longer needed are canceled and repeat
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.update(viewers);
-	const std::vector<TileRequest> early = stage.changes.request;
+	const std::vector<TileRequest> early_requests = stage.changes.request;
 	stage.streamer.invalidate(0);
 	stage.streamer.cancel(0);
 	stage.streamer.cancel(9);
 	stage.update(viewers);
 	const auto of_layer_0 = static_cast<std::size_t>(
-			std::ranges::count_if(early, [](const TileRequest &request) { return request.key.layer == 0; }));
+			std::ranges::count_if(early_requests, [](const TileRequest &request) { return request.key.layer == 0; }));
 	CHECK(of_layer_0 > 0);
 	CHECK(stage.changes.cancel.size() == of_layer_0);
 	CHECK(stage.changes.request.size() == of_layer_0);
@@ -83,7 +83,7 @@ TEST_CASE("streaming: with changes in every update, the nearest tiles are still 
 		CHECK(stage.pending.size() <= max_count);
 		CHECK(stage.changes.cancel.empty());
 		// Some requests are finished before the next change, in the order in which they were made.
-		for (int done = 0; done < 5 && !stage.pending.empty(); ++done) {
+		for (int answered_count = 0; answered_count < 5 && !stage.pending.empty(); ++answered_count) {
 			const auto first = std::ranges::min_element(
 					stage.pending, {}, [](const auto &pending) { return pending.second.ticket; });
 			const TileRequest request = first->second;
@@ -242,11 +242,11 @@ TEST_CASE("streaming: clear drops all tiles and keeps the layers") {
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);
 	stage.update({{{150.0, 0.0}}}, 3);
-	const TileRequest late = stage.changes.request.at(0);
+	const TileRequest late_request = stage.changes.request.at(0);
 	stage.streamer.clear();
 	stage.pending.clear();
 	stage.visible.clear();
-	CHECK_FALSE(stage.streamer.finish(late));
+	CHECK_FALSE(stage.streamer.finish(late_request));
 	stage.settle(viewers);
 	check_view(stage, two_layers, viewers);
 }

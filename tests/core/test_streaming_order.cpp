@@ -30,24 +30,24 @@ public:
 	std::map<Name, std::vector<double>>
 			traveled_then; ///< The values of `traveled` when each pending tile was requested.
 	std::vector<double> traveled;
-	std::vector<Viewer> now;
+	std::vector<Viewer> current_viewers;
 	std::size_t visible_in_order = 0;
 
 	void move(const std::vector<Viewer> &viewers, std::size_t max_pending) {
 		traveled.resize(viewers.size());
-		for (std::size_t i = 0; i < std::min(now.size(), viewers.size()); ++i) {
-			const glm::dvec2 step = viewers[i].position - now[i].position;
+		for (std::size_t i = 0; i < std::min(current_viewers.size(), viewers.size()); ++i) {
+			const glm::dvec2 step = viewers[i].position - current_viewers[i].position;
 			traveled[i] += std::hypot(step.x, step.y);
 			if (std::hypot(step.x, step.y) > max_flight_step) {
 				// After a jump, earlier requests may be shown in any order with regard to this
 				// viewer.
-				for (auto &[name, then] : traveled_then) {
-					then.resize(std::max(then.size(), i + 1));
-					then[i] = std::numeric_limits<double>::infinity();
+				for (auto &[name, previous_traveled] : traveled_then) {
+					previous_traveled.resize(std::max(previous_traveled.size(), i + 1));
+					previous_traveled[i] = std::numeric_limits<double>::infinity();
 				}
 			}
 		}
-		now = viewers;
+		current_viewers = viewers;
 		update(viewers, max_pending);
 		for (const TileRequest &request : changes.request) {
 			traveled_then[name_of(request.key)] = traveled;
@@ -76,13 +76,13 @@ private:
 			return;
 		}
 		bool turn = false;
-		for (std::size_t i = 0; i < now.size() && !turn; ++i) {
-			const double view = layer.view_distance * now[i].radius_scale;
-			const std::vector<double> &then = traveled_then[name_of(next.key)];
-			const double leeway =
-					layer.tile_size + (i < then.size() ? std::max(traveled[i] - then[i], 0.0) : 0.0) + 1e-9;
-			turn = std::sqrt(distance_squared(next.space, now[i].position)) <=
-					nearest_missing(layer, next.key, now[i].position, view) + leeway;
+		for (std::size_t i = 0; i < current_viewers.size() && !turn; ++i) {
+			const double view = layer.view_distance * current_viewers[i].radius_scale;
+			const std::vector<double> &previous_traveled = traveled_then[name_of(next.key)];
+			const double leeway = layer.tile_size +
+					(i < previous_traveled.size() ? std::max(traveled[i] - previous_traveled[i], 0.0) : 0.0) + 1e-9;
+			turn = std::sqrt(distance_squared(next.space, current_viewers[i].position)) <=
+					nearest_missing(layer, next.key, current_viewers[i].position, view) + leeway;
 		}
 		CHECK(turn);
 	}
@@ -106,7 +106,7 @@ private:
 /// Makes up to `max_count` pending tiles ready, in random order with a preference for the latest
 /// requests.
 void make_some_ready(OrderlyStage &stage, std::mt19937_64 &random, std::size_t max_count) {
-	for (std::size_t finished = 0; finished < max_count && !stage.pending.empty(); ++finished) {
+	for (std::size_t finished_count = 0; finished_count < max_count && !stage.pending.empty(); ++finished_count) {
 		auto any = stage.pending.begin();
 		std::advance(any, random() % stage.pending.size());
 		if (random() % 2 == 0) {
@@ -219,7 +219,8 @@ TEST_CASE("streaming order: at 1000 m/s with slow workers, near tiles keep comin
 				const TileKey &key = entry.second;
 				const double size = layers[layer].tile_size;
 				return key.layer == layer &&
-						distance_squared(tile_rect(size, key.tile), stage.now[0].position) <= 16.0 * size * size;
+						distance_squared(tile_rect(size, key.tile), stage.current_viewers[0].position) <=
+						16.0 * size * size;
 			});
 			frames_without[layer] = any ? 0 : frames_without[layer] + 1;
 			longest[layer] = frame > 10 ? std::max(longest[layer], frames_without[layer]) : 0;
@@ -256,12 +257,12 @@ TEST_CASE("streaming order: a teleport of many viewers is spread over updates an
 	}
 	Stage stage(layers);
 	int updates = 0;
-	std::size_t known = 0;
+	std::size_t known_count = 0;
 	do {
 		stage.update(viewers);
 		const StreamCounts counts = stage.streamer.counts();
-		CHECK(counts.pending + counts.visible - known <= max_new + 2000);
-		known = counts.pending + counts.visible;
+		CHECK(counts.pending + counts.visible - known_count <= max_new + 2000);
+		known_count = counts.pending + counts.visible;
 		stage.finish_all();
 		REQUIRE(++updates < 200);
 	} while (!stage.streamer.idle());

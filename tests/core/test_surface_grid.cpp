@@ -28,18 +28,18 @@ TEST_CASE("surface grid: neighbors are all cells that a ball can reach, in ascen
 	grid.build(box, {}, cells);
 	REQUIRE(grid.count() == cells.size());
 	std::vector<std::uint32_t> neighbors;
-	for (std::uint32_t number = 0; number < grid.count(); ++number) {
+	for (std::uint32_t index = 0; index < grid.count(); ++index) {
 		std::vector<std::uint32_t> expected;
 		for (std::uint32_t other = 0; other < grid.count(); ++other) {
-			const glm::ivec3 offset = grid.cell(other) - grid.cell(number);
+			const glm::ivec3 offset = grid.cell(other) - grid.cell(index);
 			if (std::abs(offset.x) <= surface_reach && std::abs(offset.y) <= surface_reach &&
 					std::abs(offset.z) <= surface_reach) {
 				expected.push_back(other);
 			}
 		}
 		// The neighbors of a cell are appended to the list of the cells before it.
-		neighbors.assign(1, number);
-		grid.append_neighbors(number, neighbors);
+		neighbors.assign(1, index);
+		grid.append_neighbors(index, neighbors);
 		neighbors.erase(neighbors.begin());
 		REQUIRE(neighbors == expected);
 	}

@@ -38,9 +38,9 @@ TriangleParts::Part part_of(const surfaces::Triangles &triangles) {
 	for (const std::uint32_t index : triangles.indices) {
 		corners.push_back(triangles.vertices[index]);
 	}
-	auto part = std::make_shared<TriangleTerrain>();
-	REQUIRE(part->set(corners, nullptr, Winding::counterclockwise).ok());
-	return part;
+	auto terrain_part = std::make_shared<TriangleTerrain>();
+	REQUIRE(terrain_part->set(corners, nullptr, Winding::counterclockwise).ok());
+	return terrain_part;
 }
 
 TriangleParts ground_of(std::vector<TriangleParts::Part> parts) {
@@ -120,42 +120,42 @@ TEST_CASE("surface layer: slopes from 0 to 180 degrees choose floors, walls and 
 		return placed_in(layer, ground, around_origin);
 	};
 	const auto all = placed_between(0.0, 180.0);
-	std::size_t seen = 0;
+	std::size_t seen_count = 0;
 	CHECK(placed_between(0.0, 90.0).size() + placed_between(120.0, 180.0).size() == all.size());
 	for (const auto &[min, max, up] : {std::tuple(0.0, 60.0, glm::dvec3(0, 1, 0)),
 				 std::tuple(60.0, 120.0, glm::dvec3(1, 0, 0)), std::tuple(120.0, 180.0, glm::dvec3(0, -1, 0))}) {
-		const auto some = placed_between(min, max);
-		CHECK(some.size() > 900);
-		for (const auto &[id, each] : some) {
+		const auto placed_subset = placed_between(min, max);
+		CHECK(placed_subset.size() > 900);
+		for (const auto &[id, each] : placed_subset) {
 			CHECK(glm::distance(each.up, up) < 1e-6);
 			REQUIRE(all.contains(id));
 			CHECK(all.at(id).position == each.position);
 		}
-		seen += some.size();
+		seen_count += placed_subset.size();
 	}
-	CHECK(seen == all.size());
+	CHECK(seen_count == all.size());
 }
 
 TEST_CASE("surface layer: tiles of any size hold the same instances") {
 	const TriangleParts ground =
 			ground_of({part_of(level(0.0)), part_of(wall(3.3)), part_of(surfaces::sphere(17.0, 12))});
 	const LayerSettings layer = layer_on_surfaces(0.8);
-	const auto whole = placed_in(layer, ground, around_origin);
-	CHECK(whole.size() > 4000);
+	const auto all_placed = placed_in(layer, ground, around_origin);
+	CHECK(all_placed.size() > 4000);
 	for (const double size : {16.0, 6.4}) {
-		std::map<std::uint64_t, Placed> together;
+		std::map<std::uint64_t, Placed> joined_parts;
 		for (double z = -32.0; z < 32.0; z += size) {
 			for (double x = -32.0; x < 32.0; x += size) {
 				for (const auto &[id, each] : placed_in(layer, ground, {{x, z}, {x + size, z + size}})) {
-					CHECK(together.emplace(id, each).second);
+					CHECK(joined_parts.emplace(id, each).second);
 				}
 			}
 		}
-		REQUIRE(together.size() == whole.size());
-		for (const auto &[id, each] : whole) {
-			REQUIRE(together.contains(id));
-			CHECK(glm::distance(together.at(id).position, each.position) < 1e-5);
-			CHECK(together.at(id).up == each.up);
+		REQUIRE(joined_parts.size() == all_placed.size());
+		for (const auto &[id, each] : all_placed) {
+			REQUIRE(joined_parts.contains(id));
+			CHECK(glm::distance(joined_parts.at(id).position, each.position) < 1e-5);
+			CHECK(joined_parts.at(id).up == each.up);
 		}
 	}
 }
@@ -172,10 +172,10 @@ TEST_CASE("surface layer: distances to other layers are measured in space") {
 		const auto all_trees = placed_in(*trees, ground, {{-40.0, -40.0}, {40.0, 40.0}});
 		const auto placed = placed_in(ferns, ground, around_origin);
 		ferns.neighbors.clear();
-		const auto free = placed_in(ferns, ground, around_origin);
+		const auto unspaced = placed_in(ferns, ground, around_origin);
 		REQUIRE(placed.size() > 500);
-		REQUIRE(placed.size() < free.size());
-		for (const auto &[id, fern] : free) {
+		REQUIRE(placed.size() < unspaced.size());
+		for (const auto &[id, fern] : unspaced) {
 			double nearest = 1e9;
 			for (const auto &[tree_id, tree] : all_trees) {
 				const glm::dvec3 offset = fern.position - tree.position;
@@ -308,19 +308,19 @@ void check_thinning(const LayerSettings &layer, const Terrain &ground, const aut
 	plain.rules.edge_feather = 0.0;
 	const auto thinned = placed_in(layer, ground, around_origin);
 	std::array<int, 3> all{}; // The counts in the outer and inner half of the feather, and beyond it.
-	std::array<int, 3> kept{};
+	std::array<int, 3> kept_counts{};
 	for (const auto &[id, each] : placed_in(plain, ground, around_origin)) {
 		const double depth = inside(each.position);
 		const std::size_t band = depth > 4.0 ? 2 : depth > 2.0 ? 1 : 0;
 		++all[band];
-		kept[band] += thinned.contains(id) ? 1 : 0;
+		kept_counts[band] += thinned.contains(id) ? 1 : 0;
 	}
 	CHECK(all[0] > 100);
 	CHECK(all[2] > 100);
-	CHECK(kept[2] == all[2]);
-	CHECK(kept[0] < 0.4 * all[0]);
-	CHECK(kept[1] > 0.5 * all[1]);
-	CHECK(kept[1] < all[1]);
+	CHECK(kept_counts[2] == all[2]);
+	CHECK(kept_counts[0] < 0.4 * all[0]);
+	CHECK(kept_counts[1] > 0.5 * all[1]);
+	CHECK(kept_counts[1] < all[1]);
 }
 
 double to_border(double a, double b) { return 20.0 - std::max(std::abs(a), std::abs(b)); }
@@ -367,20 +367,20 @@ TEST_CASE("surface layer: an edge feather leaves closed surfaces whole, and tile
 	const LayerSettings layer = feathered();
 	LayerSettings plain = layer;
 	plain.rules.edge_feather = 0.0;
-	const auto whole = placed_in(layer, ground, around_origin);
+	const auto all_placed = placed_in(layer, ground, around_origin);
 	for (const auto &[id, each] : placed_in(plain, ground, around_origin)) {
-		CHECK((std::abs(each.position.y + 8.0) < 0.01 || whole.contains(id)));
+		CHECK((std::abs(each.position.y + 8.0) < 0.01 || all_placed.contains(id)));
 	}
-	std::size_t together = 0;
+	std::size_t joined_count = 0;
 	for (double z = -32.0; z < 32.0; z += 8.0) {
 		for (double x = -32.0; x < 32.0; x += 8.0) {
 			for (const auto &[id, each] : placed_in(layer, ground, {{x, z}, {x + 8.0, z + 8.0}})) {
-				CHECK(whole.contains(id));
-				++together;
+				CHECK(all_placed.contains(id));
+				++joined_count;
 			}
 		}
 	}
-	CHECK(together == whole.size());
+	CHECK(joined_count == all_placed.size());
 }
 
 TEST_CASE("surface layer: an explanation contains the edge feather, and a change of the ground reaches as far") {

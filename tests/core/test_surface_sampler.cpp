@@ -21,8 +21,8 @@ namespace {
 std::size_t count_gaps(const Triangles &triangles, const PointCubes &cubes, double radius, int tries) {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> share(0.0, 1.0);
-	std::size_t found = 0;
-	for (int number = 0; number < tries; ++number) {
+	std::size_t found_count = 0;
+	for (int try_index = 0; try_index < tries; ++try_index) {
 		const std::size_t triangle = 3 * (random() % (triangles.indices.size() / 3));
 		double u = share(random);
 		double v = share(random);
@@ -34,9 +34,9 @@ std::size_t count_gaps(const Triangles &triangles, const PointCubes &cubes, doub
 			return triangles.vertices[triangles.indices[triangle + index]];
 		};
 		const glm::dvec3 position = corner(0) * (1.0 - u - v) + corner(1) * u + corner(2) * v;
-		found += cubes.nearest(position) > radius * (1.0 + 1e-5) ? 1 : 0;
+		found_count += cubes.nearest(position) > radius * (1.0 + 1e-5) ? 1 : 0;
 	}
-	return found;
+	return found_count;
 }
 
 /// Searches for a lattice line that intersects the plane where another point would fit. It
@@ -55,28 +55,28 @@ public:
 
 	/// Returns true if it finds such a line in the square that is 2^bits units wide and has its
 	/// lower corner at (x, z). `near` contains the indices of the points to consider.
-	bool finds(double x, double z, int bits, const std::vector<std::size_t> &near) {
+	bool finds(double x, double z, int bits, const std::vector<std::size_t> &near_points) {
 		++squares;
 		const double width = static_cast<double>(1 << bits);
-		const auto reaches = [&](std::size_t point, double reach) {
+		const auto reaches = [&](std::size_t point, double ball_radius) {
 			double farthest = 0.0;
 			for (const glm::dvec2 corner : {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(1, 1)}) {
 				farthest = std::max(
 						farthest, glm::distance(on_plane(x + corner.x * width, z + corner.y * width), points_[point]));
 			}
-			return farthest < reach;
+			return farthest < ball_radius;
 		};
 		// The margin of 4 units allows for intersections that are rounded to whole units.
-		if (std::ranges::any_of(near, [&](std::size_t point) { return reaches(point, radius - 4.0); })) {
+		if (std::ranges::any_of(near_points, [&](std::size_t point) { return reaches(point, radius - 4.0); })) {
 			return false;
 		}
 		if (bits == 4) {
 			const glm::dvec3 hit = glm::floor(on_plane(x + 8.0, z + 8.0));
 			return std::ranges::none_of(
-					near, [&](std::size_t point) { return glm::distance(hit, points_[point]) < radius + 2.0; });
+					near_points, [&](std::size_t point) { return glm::distance(hit, points_[point]) < radius + 2.0; });
 		}
 		std::vector<std::size_t> nearer;
-		std::ranges::copy_if(near, std::back_inserter(nearer),
+		std::ranges::copy_if(near_points, std::back_inserter(nearer),
 				[&](std::size_t point) { return reaches(point, radius + 2.0 * width + 4.0); });
 		const double half = width / 2.0;
 		return finds(x, z, bits - 1, nearer) || finds(x + half, z, bits - 1, nearer) ||
@@ -128,11 +128,11 @@ Triangles house() {
 
 /// Returns narrow folds: no axis is close to all normals of a cell, and some faces are steep along each axis.
 Triangles folds() {
-	Triangles made = square(20.0, 40, {0, 0, 0}, {1, 0.03, 0.06}, {0.05, 0, 1});
-	for (std::size_t index = 0; index < made.vertices.size(); ++index) {
-		made.vertices[index].y += index % 41 % 4 < 2 ? 0.0 : 4.0;
+	Triangles triangles = square(20.0, 40, {0, 0, 0}, {1, 0.03, 0.06}, {0.05, 0, 1});
+	for (std::size_t index = 0; index < triangles.vertices.size(); ++index) {
+		triangles.vertices[index].y += index % 41 % 4 < 2 ? 0.0 : 4.0;
 	}
-	return made;
+	return triangles;
 }
 
 std::set<std::uint64_t> ids(const std::vector<SurfacePoint> &points) {
@@ -146,9 +146,9 @@ std::set<std::uint64_t> ids(const std::vector<SurfacePoint> &points) {
 double shared(const std::vector<SurfacePoint> &a, const std::vector<SurfacePoint> &b) {
 	const std::set<std::uint64_t> first = ids(a);
 	const std::set<std::uint64_t> second = ids(b);
-	std::vector<std::uint64_t> both;
-	std::ranges::set_intersection(first, second, std::back_inserter(both));
-	return static_cast<double>(both.size()) / static_cast<double>(std::max(first.size(), second.size()));
+	std::vector<std::uint64_t> all_ids;
+	std::ranges::set_intersection(first, second, std::back_inserter(all_ids));
+	return static_cast<double>(all_ids.size()) / static_cast<double>(std::max(first.size(), second.size()));
 }
 
 } // namespace
@@ -191,8 +191,8 @@ TEST_CASE("surfaces: no line of the lattice is left where another point would fi
 	for (const glm::dvec3 normal : {glm::dvec3(0, 1, 0), glm::dvec3(1, 8, 3), glm::dvec3(3, 4, 2)}) {
 		const PointSet set{.seed = 61};
 		const glm::dvec3 unit = glm::normalize(normal);
-		const glm::dvec3 along = glm::normalize(glm::cross(unit, glm::dvec3(0, 0, 1)));
-		const Triangles plane = square(24.0, 12, {-12.3, 0.1, -12.2}, along, glm::cross(along, unit));
+		const glm::dvec3 tangent = glm::normalize(glm::cross(unit, glm::dvec3(0, 0, 1)));
+		const Triangles plane = square(24.0, 12, {-12.3, 0.1, -12.2}, tangent, glm::cross(tangent, unit));
 		std::vector<SurfacePoint> points = all_points(set, *plane.surface());
 		// The search covers the cell in the middle of the plane. A cell is 2^20 units wide.
 		const double cell = 1048576.0;
@@ -200,13 +200,13 @@ TEST_CASE("surfaces: no line of the lattice is left where another point would fi
 				glm::floor((plane.vertices.front() + plane.vertices.back()) / 2.0 / surface_unit(set) / cell) * cell;
 		const auto finds = [&] {
 			LineSearch search(points, set, unit);
-			bool found = false;
+			bool is_found = false;
 			for (int number = 0; number < 64; ++number) {
-				found |= search.finds(
+				is_found |= search.finds(
 						middle.x + (number % 8 - 4) * cell, middle.z + (number / 8 - 4) * cell, 20, search.all());
 			}
 			CHECK(search.squares > 64);
-			return found;
+			return is_found;
 		};
 		CHECK_FALSE(finds());
 		// After a point is removed, the search finds its position.
@@ -240,10 +240,10 @@ TEST_CASE("surfaces: with faces that point up, the underside of a thin bridge ta
 	for (const double tilt : {-1e-7, 0.0, 1e-7}) {
 		const Triangles wall = square(12.0, 4, glm::dvec3(0.0), glm::normalize(glm::dvec3(0.0, 1.0, tilt)), x);
 		set.faces = SurfaceFaces::up;
-		const std::size_t up = all_points(set, *wall.surface()).size();
+		const std::size_t wall_count = all_points(set, *wall.surface()).size();
 		set.faces = SurfaceFaces::down;
-		CHECK(all_points(set, *wall.surface()).size() == up);
-		CHECK(up == alone(wall).size());
+		CHECK(all_points(set, *wall.surface()).size() == wall_count);
+		CHECK(wall_count == alone(wall).size());
 	}
 }
 
@@ -258,22 +258,23 @@ TEST_CASE("surfaces: windows of any size return the same points, each once") {
 		CAPTURE(levels);
 		const PointSet set{.seed = 11, .levels = levels};
 		const auto surface = sphere(12.0, 50).surface();
-		std::vector<SurfacePoint> whole = all_points(set, *surface);
-		sort_by_id(whole);
+		std::vector<SurfacePoint> whole_set = all_points(set, *surface);
+		sort_by_id(whole_set);
 		for (const double width : {5.0, 7.3, 30.0}) {
 			CAPTURE(width);
 			SurfaceSampler sampler;
-			std::vector<SurfacePoint> together;
-			std::vector<SurfacePoint> part;
+			std::vector<SurfacePoint> joined_parts;
+			std::vector<SurfacePoint> tile_points;
 			const int count = static_cast<int>(std::ceil(26.0 / width));
-			for (int number = count * count * count - 1; number >= 0; --number) {
+			for (int tile_index = count * count * count - 1; tile_index >= 0; --tile_index) {
 				const glm::dvec3 low =
-						glm::dvec3(number % count, number / count % count, number / count / count) * width - 13.0;
-				REQUIRE(sampler.sample(set, *surface, {low, low + width}, part).ok());
-				together.insert(together.end(), part.begin(), part.end());
+						glm::dvec3(tile_index % count, tile_index / count % count, tile_index / count / count) * width -
+						13.0;
+				REQUIRE(sampler.sample(set, *surface, {low, low + width}, tile_points).ok());
+				joined_parts.insert(joined_parts.end(), tile_points.begin(), tile_points.end());
 			}
-			sort_by_id(together);
-			CHECK(together == whole);
+			sort_by_id(joined_parts);
+			CHECK(joined_parts == whole_set);
 		}
 	}
 }
@@ -287,18 +288,18 @@ TEST_CASE("surfaces: windows of hills return the points of the whole surface, fo
 	for (std::uint64_t seed = 1; seed <= 12; ++seed) {
 		CAPTURE(seed);
 		const PointSet set{.seed = seed, .levels = seed % 2 == 0 ? 1u : 3u};
-		std::vector<SurfacePoint> whole = all_points(set, *surface);
+		std::vector<SurfacePoint> whole_set = all_points(set, *surface);
 		SurfaceSampler sampler;
-		std::vector<SurfacePoint> together;
-		std::vector<SurfacePoint> part;
-		for (int number = 0; number < 36; ++number) {
-			const glm::dvec3 low(number % 6 * 16.0, -10.0, number / 6 * 16.0);
-			REQUIRE(sampler.sample(set, *surface, {low, low + glm::dvec3(16.0, 20.0, 16.0)}, part).ok());
-			together.insert(together.end(), part.begin(), part.end());
+		std::vector<SurfacePoint> joined_parts;
+		std::vector<SurfacePoint> tile_points;
+		for (int tile_index = 0; tile_index < 36; ++tile_index) {
+			const glm::dvec3 low(tile_index % 6 * 16.0, -10.0, tile_index / 6 * 16.0);
+			REQUIRE(sampler.sample(set, *surface, {low, low + glm::dvec3(16.0, 20.0, 16.0)}, tile_points).ok());
+			joined_parts.insert(joined_parts.end(), tile_points.begin(), tile_points.end());
 		}
-		sort_by_id(whole);
-		sort_by_id(together);
-		CHECK(together == whole);
+		sort_by_id(whole_set);
+		sort_by_id(joined_parts);
+		CHECK(joined_parts == whole_set);
 	}
 }
 
@@ -306,13 +307,13 @@ TEST_CASE("surfaces: the margin does not affect the points") {
 	const PointSet set{.seed = 12};
 	const auto surface = facing({1, 3, 2}, 60.0, 20).surface();
 	const Box3 window{{-10, -10, -10}, {10, 10, 10}};
-	std::vector<SurfacePoint> usual;
+	std::vector<SurfacePoint> expected;
 	std::vector<SurfacePoint> narrow;
-	REQUIRE(SurfaceSampler().sample(set, *surface, window, usual).ok());
+	REQUIRE(SurfaceSampler().sample(set, *surface, window, expected).ok());
 	SurfaceSampler sampler({.first = 2, .widest = 256});
 	REQUIRE(sampler.sample(set, *surface, window, narrow).ok());
 	CHECK(sampler.stats().retries > 0);
-	CHECK(narrow == usual);
+	CHECK(narrow == expected);
 	SurfaceSampler too_narrow({.first = 1, .widest = 1});
 	const Status status = too_narrow.sample(set, *surface, window, narrow);
 	CHECK(status.code == ErrorCode::margin_too_wide);
@@ -325,8 +326,8 @@ TEST_CASE("surface sampler: a face along a cell's border, tilted by less than a 
 	const PointSet set{.seed = 7, .radius = 1.0, .levels = 1, .layer = 0};
 	for (const double tilt : {0.0, 4.37e-8, -4.37e-8, 1e-7, 1e-6, 1e-5}) {
 		for (const double at : {0.0, 1.0 / std::sqrt(3.0), 0.3}) {
-			const glm::dvec3 along = glm::normalize(glm::dvec3(0, -1, tilt));
-			const auto wall = square(24.0, 1, {-12, 12, at - 12 * tilt}, {1, 0, 0}, along).surface();
+			const glm::dvec3 slope = glm::normalize(glm::dvec3(0, -1, tilt));
+			const auto wall = square(24.0, 1, {-12, 12, at - 12 * tilt}, {1, 0, 0}, slope).surface();
 			const auto points = all_points(set, *wall);
 			CHECK(points.size() > 390);
 			CHECK(points.size() < 440);
@@ -347,8 +348,8 @@ TEST_CASE("surfaces: points are even by area in every direction") {
 			{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1), glm::normalize(glm::dvec3(1, 1, 1))}) {
 		std::vector<double> slices(8);
 		for (const SurfacePoint &point : points) {
-			const double along = glm::dot(point.position, axis) / 50.0;
-			slices[static_cast<std::size_t>(std::clamp(along * 4.0 + 4.0, 0.0, 7.0))] += 1.0;
+			const double fraction = glm::dot(point.position, axis) / 50.0;
+			slices[static_cast<std::size_t>(std::clamp(fraction * 4.0 + 4.0, 0.0, 7.0))] += 1.0;
 		}
 		for (const double slice : slices) {
 			CHECK(slice / (static_cast<double>(points.size()) / 8.0) == doctest::Approx(1.0).epsilon(0.02));
@@ -370,9 +371,9 @@ TEST_CASE("surfaces: the distances between neighbors are distributed as on the p
 	const PointCubes flat_cubes(lifted, 1.5);
 	for (const double distance : {1.05, 1.1, 1.2, 1.35, 1.5}) {
 		CAPTURE(distance);
-		double near = 0.0;
+		double near_count = 0.0;
 		for (const SurfacePoint &point : points) {
-			near += static_cast<double>(cubes.count_within(point.position, distance) - 1);
+			near_count += static_cast<double>(cubes.count_within(point.position, distance) - 1);
 		}
 		double near_flat = 0.0;
 		double inner = 0.0;
@@ -383,7 +384,7 @@ TEST_CASE("surfaces: the distances between neighbors are distributed as on the p
 				inner += 1.0;
 			}
 		}
-		CHECK(near / static_cast<double>(points.size()) == doctest::Approx(near_flat / inner).epsilon(0.03));
+		CHECK(near_count / static_cast<double>(points.size()) == doctest::Approx(near_flat / inner).epsilon(0.03));
 	}
 }
 
@@ -417,13 +418,13 @@ TEST_CASE("surfaces: next to steep walls, the order of the triangles has no effe
 	const auto reversed_surface = reversed.surface();
 	for (std::uint64_t seed = 0; seed < 12; ++seed) {
 		std::vector<SurfacePoint> points = all_points({.seed = seed}, *surface);
-		std::vector<SurfacePoint> others = all_points({.seed = seed}, *reversed_surface);
+		std::vector<SurfacePoint> other_points = all_points({.seed = seed}, *reversed_surface);
 		sort_by_id(points);
-		sort_by_id(others);
+		sort_by_id(other_points);
 		const auto same_position = [](const SurfacePoint &a, const SurfacePoint &b) {
 			return a.position == b.position;
 		};
-		CHECK(std::ranges::equal(points, others, same_position));
+		CHECK(std::ranges::equal(points, other_points, same_position));
 	}
 }
 
@@ -432,25 +433,25 @@ TEST_CASE("surfaces: a hole changes nothing far from it") {
 	Triangles triangles = facing({1, 4, 1}, 60.0, 60);
 	const std::vector<SurfacePoint> before = all_points(set, *triangles.surface());
 	const glm::dvec3 middle = triangles.vertices[30 * 61 + 30];
-	std::vector<std::uint32_t> left;
+	std::vector<std::uint32_t> remaining;
 	for (std::size_t first = 0; first < triangles.indices.size(); first += 3) {
 		if (glm::distance(triangles.vertices[triangles.indices[first]], middle) > 4.0) {
-			left.insert(left.end(), triangles.indices.begin() + static_cast<std::ptrdiff_t>(first),
+			remaining.insert(remaining.end(), triangles.indices.begin() + static_cast<std::ptrdiff_t>(first),
 					triangles.indices.begin() + static_cast<std::ptrdiff_t>(first) + 3);
 		}
 	}
-	REQUIRE(left.size() < triangles.indices.size());
-	triangles.indices = left;
+	REQUIRE(remaining.size() < triangles.indices.size());
+	triangles.indices = remaining;
 	std::vector<SurfacePoint> after = all_points(set, *triangles.surface());
-	const std::set<std::uint64_t> kept = ids(after);
-	std::size_t far = 0;
+	const std::set<std::uint64_t> kept_ids = ids(after);
+	std::size_t far_count = 0;
 	for (const SurfacePoint &point : before) {
 		if (glm::distance(point.position, middle) > 4.0 + 13.0) {
-			++far;
-			CHECK(kept.contains(point.id));
+			++far_count;
+			CHECK(kept_ids.contains(point.id));
 		}
 	}
-	CHECK(far > 1000);
+	CHECK(far_count > 1000);
 	CHECK(std::ranges::all_of(
 			after, [&](const SurfacePoint &point) { return glm::distance(point.position, middle) > 2.0; }));
 }
@@ -462,22 +463,22 @@ TEST_CASE("surfaces: every level is a maximal set") {
 	for (std::uint32_t level = 0; level < 3; ++level) {
 		CAPTURE(level);
 		const std::uint64_t end = level_rank_end(3, level);
-		std::vector<SurfacePoint> part;
+		std::vector<SurfacePoint> tile_points;
 		for (const SurfacePoint &point : points) {
 			CHECK((point.rank < end) == (point.level >= level));
 			if (point.level >= level) {
-				part.push_back(point);
+				tile_points.push_back(point);
 			}
 		}
 		const double radius = static_cast<double>(1u << level);
-		const PointCubes cubes(part, radius);
+		const PointCubes cubes(tile_points, radius);
 		double min_distance = std::numeric_limits<double>::infinity();
-		for (std::size_t index = 0; index < part.size(); ++index) {
-			min_distance = std::min(min_distance, cubes.nearest(part[index].position, index));
+		for (std::size_t index = 0; index < tile_points.size(); ++index) {
+			min_distance = std::min(min_distance, cubes.nearest(tile_points[index].position, index));
 		}
 		CHECK(min_distance >= radius * (1.0 - 1e-9));
 		CHECK(count_gaps(triangles, cubes, radius, 20000) == 0);
-		CHECK(static_cast<double>(part.size()) / static_cast<double>(points.size()) ==
+		CHECK(static_cast<double>(tile_points.size()) / static_cast<double>(points.size()) ==
 				doctest::Approx(static_cast<double>(end) / 4294967296.0).epsilon(0.05));
 	}
 }

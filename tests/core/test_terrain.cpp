@@ -29,9 +29,9 @@ std::vector<std::uint16_t> random_posts(glm::ivec2 posts, unsigned seed) {
 	return values;
 }
 
-Heightfield field_of(const HeightfieldFrame &of, const std::vector<std::uint16_t> &posts) {
+Heightfield field_of(const HeightfieldFrame &field_frame, const std::vector<std::uint16_t> &posts) {
 	Heightfield field;
-	REQUIRE(field.set(of, posts).ok());
+	REQUIRE(field.set(field_frame, posts).ok());
 	return field;
 }
 
@@ -109,18 +109,17 @@ TEST_CASE("terrain: an inclined plane has its true height and normal everywhere,
 TEST_CASE("terrain: normals have unit length, point up and have no seam along the samples") {
 	const Heightfield field = field_of(frame, random_posts(frame.posts, 4));
 	constexpr double tolerance = 1e-7;
-	for (double along = 10.5; along < 70.0; along += 0.5) {
+	for (double z = 10.5; z < 70.0; z += 0.5) {
 		for (const double line : {-20.0, -10.0, 0.0, 20.0}) {
-			const Ground before = field.at({line - tolerance, along});
-			const Ground behind = field.at({line + tolerance, along});
-			CHECK(glm::distance(before.normal, behind.normal) < 1e-4f);
+			const Ground before = field.at({line - tolerance, z});
+			const Ground beyond_line = field.at({line + tolerance, z});
+			CHECK(glm::distance(before.normal, beyond_line.normal) < 1e-4f);
 			CHECK(before.normal.y > 0.0f);
 			CHECK(glm::length(before.normal) == doctest::Approx(1.0).epsilon(1e-6));
 		}
 	}
-	for (double along = -29.5; along < 30.0; along += 0.5) {
-		CHECK(glm::distance(field.at({along, 30.0 - tolerance}).normal, field.at({along, 30.0 + tolerance}).normal) <
-				1e-4f);
+	for (double z = -29.5; z < 30.0; z += 0.5) {
+		CHECK(glm::distance(field.at({z, 30.0 - tolerance}).normal, field.at({z, 30.0 + tolerance}).normal) < 1e-4f);
 	}
 }
 
@@ -165,13 +164,13 @@ TEST_CASE("terrain: a position is bit-identical in any batch") {
 	std::uniform_real_distribution<double> along(-35.0, 75.0);
 	std::vector<glm::dvec2> positions(1000);
 	std::ranges::generate(positions, [&] { return glm::dvec2(along(random), along(random)); });
-	std::vector<Ground> forth(positions.size());
-	REQUIRE(field.sample(positions, forth).ok());
+	std::vector<Ground> forward_order(positions.size());
+	REQUIRE(field.sample(positions, forward_order).ok());
 	std::ranges::reverse(positions);
 	std::vector<Ground> back(positions.size());
 	REQUIRE(field.sample(positions, back).ok());
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		CHECK(same_bits(back[i], forth[positions.size() - 1 - i]));
+		CHECK(same_bits(back[i], forward_order[positions.size() - 1 - i]));
 		CHECK(same_bits(back[i], field.at(positions[i])));
 	}
 }
@@ -179,12 +178,12 @@ TEST_CASE("terrain: a position is bit-identical in any batch") {
 TEST_CASE("terrain: a field 5,000 km out is as exact as one at the origin") {
 	const auto posts = random_posts(frame.posts, 9);
 	const glm::dvec2 offset(5e6, -5e6);
-	HeightfieldFrame far = frame;
-	far.area = {frame.area.min + offset, frame.area.max + offset};
+	HeightfieldFrame distant = frame;
+	distant.area = {frame.area.min + offset, frame.area.max + offset};
 	const Heightfield near_field = field_of(frame, posts);
-	const Heightfield far_field = field_of(far, posts);
-	for (double along = -29.0; along < 30.0; along += 0.37) {
-		const glm::dvec2 position(along, along + 40.0);
+	const Heightfield far_field = field_of(distant, posts);
+	for (double z = -29.0; z < 30.0; z += 0.37) {
+		const glm::dvec2 position(z, z + 40.0);
 		const Ground a = near_field.at(position);
 		const Ground b = far_field.at(position + offset);
 		CHECK(std::abs(a.height - b.height) < 1e-3f);
@@ -236,9 +235,9 @@ TEST_CASE("terrain: patches computed together are bit-identical to those compute
 		steps.push_back(static_cast<std::uint16_t>(random() % 4000));
 		meters.push_back(static_cast<float>(steps.back()));
 	}
-	Heightfield together;
+	Heightfield joined_field;
 	Heightfield alone;
-	REQUIRE(together.set(frame, steps).ok());
+	REQUIRE(joined_field.set(frame, steps).ok());
 	REQUIRE(alone.set_meters(frame, meters).ok());
 	std::uniform_real_distribution<double> x(-40.0, 110.0);
 	std::uniform_real_distribution<double> y(0.0, 95.0);
@@ -247,14 +246,14 @@ TEST_CASE("terrain: patches computed together are bit-identical to those compute
 		for (glm::dvec2 &position : positions) {
 			position = {x(random), y(random)};
 		}
-		std::vector<Ground> got(count);
+		std::vector<Ground> actual(count);
 		std::vector<Ground> expected(count);
-		REQUIRE(together.sample(positions, got).ok());
+		REQUIRE(joined_field.sample(positions, actual).ok());
 		REQUIRE(alone.sample(positions, expected).ok());
 		for (std::size_t i = 0; i < count; ++i) {
-			REQUIRE(std::isnan(got[i].height) == std::isnan(expected[i].height));
-			REQUIRE((std::isnan(got[i].height) || got[i].height == expected[i].height));
-			REQUIRE(got[i].normal == expected[i].normal);
+			REQUIRE(std::isnan(actual[i].height) == std::isnan(expected[i].height));
+			REQUIRE((std::isnan(actual[i].height) || actual[i].height == expected[i].height));
+			REQUIRE(actual[i].normal == expected[i].normal);
 		}
 	}
 }

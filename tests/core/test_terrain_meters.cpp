@@ -61,14 +61,14 @@ TEST_CASE("terrain: samples in meters keep their height, regardless of the frame
 }
 
 TEST_CASE("terrain: 16-bit samples and samples in meters with equal heights are the same ground") {
-	HeightfieldFrame whole = frame; // One step is 1 m, so that both fields have the same numbers.
-	whole.min_height = 0.0;
-	whole.max_height = 65535.0;
+	HeightfieldFrame whole_steps = frame; // One step is 1 m, so that both fields have the same numbers.
+	whole_steps.min_height = 0.0;
+	whole_steps.max_height = 65535.0;
 	std::mt19937 random(2);
 	std::vector<std::uint16_t> steps(index_of(0, frame.posts.y));
 	std::ranges::generate(steps, [&] { return static_cast<std::uint16_t>(random()); });
 	Heightfield coarse;
-	REQUIRE(coarse.set(whole, steps).ok());
+	REQUIRE(coarse.set(whole_steps, steps).ok());
 	const Heightfield fine = field_of({steps.begin(), steps.end()});
 	for (double x = -31.0; x < 32.0; x += 0.7) {
 		for (double z = 9.0; z < 72.0; z += 0.7) {
@@ -76,11 +76,11 @@ TEST_CASE("terrain: 16-bit samples and samples in meters with equal heights are 
 		}
 	}
 	// Setting samples of one kind replaces samples of the other kind.
-	Heightfield both = field_of(random_meters(4));
-	REQUIRE(both.set(frame, steps).ok());
-	CHECK(both.at(position_at(2, 1)).height == doctest::Approx(-100.0 + steps[index_of(2, 1)] * 1310.7 / 65535.0));
-	REQUIRE(both.set_meters(frame, random_meters(3)).ok());
-	CHECK(both.at(position_at(2, 1)).height == random_meters(3)[index_of(2, 1)]);
+	Heightfield meters = field_of(random_meters(4));
+	REQUIRE(meters.set(frame, steps).ok());
+	CHECK(meters.at(position_at(2, 1)).height == doctest::Approx(-100.0 + steps[index_of(2, 1)] * 1310.7 / 65535.0));
+	REQUIRE(meters.set_meters(frame, random_meters(3)).ok());
+	CHECK(meters.at(position_at(2, 1)).height == random_meters(3)[index_of(2, 1)]);
 }
 
 TEST_CASE("terrain: there is no ground between four samples only if one of them is missing") {
@@ -91,9 +91,9 @@ TEST_CASE("terrain: there is no ground between four samples only if one of them 
 			const Heightfield field = field_of(posts);
 			for (double x = 0.05; x < 6.0; x += 0.1) {
 				for (double z = 0.05; z < 3.0; z += 0.1) {
-					const bool beside = std::abs(x - column) < 1.0 && std::abs(z - row) < 1.0;
+					const bool is_adjacent = std::abs(x - column) < 1.0 && std::abs(z - row) < 1.0;
 					const Ground ground = field.at(position_at(x, z));
-					CHECK(std::isnan(ground.height) == beside);
+					CHECK(std::isnan(ground.height) == is_adjacent);
 					CHECK(std::abs(glm::length(ground.normal) - 1.0f) < 1e-5f);
 					CHECK(ground.normal.y > 0.0f);
 				}
@@ -142,14 +142,14 @@ TEST_CASE("terrain: normals next to a hole have no seam between the remaining pa
 	posts[index_of(3, 1)] = missing;
 	const Heightfield field = field_of(posts);
 	constexpr double tolerance = 1e-9;
-	for (double along = 0.01; along < 2.0;
-			along += 0.1) { // The patches of columns 4 and 5 in rows 0 to 2 share samples at the edge of the hole.
-		const glm::vec3 before = field.at(position_at(5.0 - tolerance, along)).normal;
-		CHECK(glm::distance(before, field.at(position_at(5.0 + tolerance, along)).normal) < 1e-4f);
+	for (double x = 0.01; x < 2.0;
+			x += 0.1) { // The patches of columns 4 and 5 in rows 0 to 2 share samples at the edge of the hole.
+		const glm::vec3 before = field.at(position_at(5.0 - tolerance, x)).normal;
+		CHECK(glm::distance(before, field.at(position_at(5.0 + tolerance, x)).normal) < 1e-4f);
 	}
-	for (double along = 4.01; along < 6.0; along += 0.1) {
-		const glm::vec3 before = field.at(position_at(along, 1.0 - tolerance)).normal;
-		CHECK(glm::distance(before, field.at(position_at(along, 1.0 + tolerance)).normal) < 1e-4f);
+	for (double x = 4.01; x < 6.0; x += 0.1) {
+		const glm::vec3 before = field.at(position_at(x, 1.0 - tolerance)).normal;
+		CHECK(glm::distance(before, field.at(position_at(x, 1.0 + tolerance)).normal) < 1e-4f);
 	}
 }
 

@@ -83,7 +83,7 @@ TEST_CASE(
 	};
 	std::mt19937 random(3);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
-	int held = 0;
+	int held_count = 0;
 	for (int i = 0; i < 2000; ++i) {
 		const int column = static_cast<int>(random() % 3);
 		const int row = static_cast<int>(random() % 2);
@@ -103,10 +103,10 @@ TEST_CASE(
 		CHECK(std::abs(weight_at(field, position, {2, 0}) - std::min(1.0, weight[0] + weight[2])) < 1e-6);
 		CHECK(std::abs(weight_at(field, position, {0, 1, 2}) - std::min(1.0, weight[0] + weight[1] + weight[2])) <
 				1e-6);
-		held += weight[0] + weight[1] + weight[2] > 1.0 ? 1 : 0;
+		held_count += weight[0] + weight[1] + weight[2] > 1.0 ? 1 : 0;
 		CHECK(weight_at(field, position, {}) == 0.0f);
 	}
-	CHECK(held > 100);
+	CHECK(held_count > 100);
 }
 
 TEST_CASE("terrain weights: weights are exact on the borders and 0 outside, also for a single pixel or row") {

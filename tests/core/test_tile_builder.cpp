@@ -160,25 +160,25 @@ TEST_CASE("tile: a tile is bit-identical when repeated, in pieces, after other w
 TEST_CASE("tile: the two halves of a tile together have the same instances") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = rich_layer();
-	const TileInstances whole = built(layer, terrain, tile_of_hills);
+	const TileInstances whole_tile = built(layer, terrain, tile_of_hills);
 	std::map<std::uint64_t, glm::dvec3> positions;
-	for (const double split : {-10.0, 0.0, 33.3}) {
+	for (const double split_x : {-10.0, 0.0, 33.3}) {
 		std::size_t count = 0;
-		for (const Rect &half : {Rect{tile_of_hills.min, {split, 128.0}}, Rect{{split, 0.0}, tile_of_hills.max}}) {
-			const TileInstances part = built(layer, terrain, half);
-			count += size_of(part);
-			for (const MeshInstances &mesh : part.meshes) {
+		for (const Rect &half : {Rect{tile_of_hills.min, {split_x, 128.0}}, Rect{{split_x, 0.0}, tile_of_hills.max}}) {
+			const TileInstances half_tile = built(layer, terrain, half);
+			count += size_of(half_tile);
+			for (const MeshInstances &mesh : half_tile.meshes) {
 				for (std::size_t i = 0; i < mesh.size(); ++i) {
-					positions[mesh.ids[i]] = world_position(part, mesh, i);
+					positions[mesh.ids[i]] = world_position(half_tile, mesh, i);
 				}
 			}
 		}
-		CHECK(count == size_of(whole));
-		for (std::size_t mesh = 0; mesh < whole.meshes.size(); ++mesh) {
-			for (std::size_t i = 0; i < whole.meshes[mesh].size(); ++i) {
-				const auto found = positions.find(whole.meshes[mesh].ids[i]);
-				REQUIRE(found != positions.end());
-				CHECK(glm::distance(found->second, world_position(whole, whole.meshes[mesh], i)) < 2e-5);
+		CHECK(count == size_of(whole_tile));
+		for (std::size_t mesh = 0; mesh < whole_tile.meshes.size(); ++mesh) {
+			for (std::size_t i = 0; i < whole_tile.meshes[mesh].size(); ++i) {
+				const auto match = positions.find(whole_tile.meshes[mesh].ids[i]);
+				REQUIRE(match != positions.end());
+				CHECK(glm::distance(match->second, world_position(whole_tile, whole_tile.meshes[mesh], i)) < 2e-5);
 			}
 		}
 	}

@@ -76,7 +76,7 @@ TEST_CASE("tile: there are no instances without ground, and their neighbors are 
 	});
 	LayerSettings layer;
 	const Rect rect{{0.0, 0.0}, {64.0, 64.0}};
-	const TileInstances with = built(layer, pierced, rect);
+	const TileInstances pierced_tile = built(layer, pierced, rect);
 	const Transforms all = transforms_of(built(layer, whole, rect));
 	std::size_t expected = 0;
 	for (const auto &[id, transform] : all) {
@@ -86,20 +86,20 @@ TEST_CASE("tile: there are no instances without ground, and their neighbors are 
 				? 1
 				: 0;
 	}
-	CHECK(size_of(with) == expected);
-	for (const auto &[id, transform] : transforms_of(with)) {
+	CHECK(size_of(pierced_tile) == expected);
+	for (const auto &[id, transform] : transforms_of(pierced_tile)) {
 		REQUIRE(all.contains(id));
 		CHECK(transform == all.at(id));
 	}
 	// The center is a hole, so the height of the origin comes from the ground around it.
-	CHECK(with.origin.y == 4.0);
+	CHECK(pierced_tile.origin.y == 4.0);
 
-	const TileInstances nowhere = built(layer, FlatTerrain(std::nanf("")), rect);
-	CHECK(size_of(nowhere) == 0);
-	CHECK(nowhere.meshes.size() == 1);
-	CHECK(nowhere.origin == glm::dvec3(32.0, 0.0, 32.0));
-	CHECK(nowhere.meshes[0].min == glm::vec3(0.0f));
-	CHECK(nowhere.meshes[0].max == glm::vec3(0.0f));
+	const TileInstances empty_tile = built(layer, FlatTerrain(std::nanf("")), rect);
+	CHECK(size_of(empty_tile) == 0);
+	CHECK(empty_tile.meshes.size() == 1);
+	CHECK(empty_tile.origin == glm::dvec3(32.0, 0.0, 32.0));
+	CHECK(empty_tile.meshes[0].min == glm::vec3(0.0f));
+	CHECK(empty_tile.meshes[0].max == glm::vec3(0.0f));
 }
 
 TEST_CASE("tile: tiny and empty rectangles are valid") {
@@ -166,10 +166,10 @@ TEST_CASE("tile: the error for invalid input names the property and the value, a
 			builder.build(rich_layer(), FailingTerrain(), tile_of_hills, tile), ErrorCode::missing, "heights", 0.0);
 	CHECK(digest(tile) == before);
 
-	TileBuilder fresh;
-	check_refused(fresh.place({}, tile), ErrorCode::missing, "points", 0.0);
-	REQUIRE(fresh.find_points(rich_layer(), tile_of_hills).ok());
-	const std::vector<Ground> wrong(3);
-	check_refused(fresh.place(wrong, tile), ErrorCode::wrong_size, "ground", 3.0);
+	TileBuilder fresh_builder;
+	check_refused(fresh_builder.place({}, tile), ErrorCode::missing, "points", 0.0);
+	REQUIRE(fresh_builder.find_points(rich_layer(), tile_of_hills).ok());
+	const std::vector<Ground> wrong_ground(3);
+	check_refused(fresh_builder.place(wrong_ground, tile), ErrorCode::wrong_size, "ground", 3.0);
 	CHECK(digest(tile) == before);
 }

@@ -129,9 +129,9 @@ TEST_CASE("tile: with few or no instances, lent threads build the same tile") {
 	LayerSettings layer = rich_layer();
 	const Heightfield terrain = hills();
 	layer.rules.density = 1e-4; // Only a few instances remain.
-	LayerSettings none = rich_layer();
-	none.rules.min_height = 500.0;
-	for (const LayerSettings &each : {layer, none}) {
+	LayerSettings no_meshes = rich_layer();
+	no_meshes.rules.min_height = 500.0;
+	for (const LayerSettings &each : {layer, no_meshes}) {
 		const TileInstances alone = built(each, terrain, wide);
 		CHECK(size_of(alone) < 20);
 		CountedThreads threads(3);
@@ -147,21 +147,21 @@ TEST_CASE("tile: the error for a large rectangle is the same with lent threads")
 	auto dust = std::make_shared<LayerSettings>(rich_layer());
 	dust->set = {.seed = 5, .radius = 0.001, .levels = 1, .layer = 9};
 	dense.neighbors = {{dust, 2.5, nullptr}};
-	const std::array<std::pair<LayerSettings, Rect>, 4> refused{{
+	const std::array<std::pair<LayerSettings, Rect>, 4> rejected_inputs{{
 			{rich_layer(), {{-1e9, -10.0}, {200.0, 10.0}}},
 			{rich_layer(), {{-1e5, -1e5}, {1e5, 1e5}}},
 			{rich_layer(), {{200.0, 0.0}, {-200.0, 400.0}}},
 			{dense, wide},
 	}};
-	for (const auto &[layer, rect] : refused) {
+	for (const auto &[layer, rect] : rejected_inputs) {
 		CountedThreads threads(2);
 		TileBuilder builder;
 		TileInstances tile;
 		const Status alone = builder.build(layer, hills(), rect, tile);
-		const Status together = builder.build(layer, hills(), rect, tile, nullptr, &threads);
+		const Status status = builder.build(layer, hills(), rect, tile, nullptr, &threads);
 		CHECK(!alone.ok());
-		CHECK(together.code == alone.code);
-		CHECK(together.value == alone.value);
+		CHECK(status.code == alone.code);
+		CHECK(status.value == alone.value);
 	}
 }
 

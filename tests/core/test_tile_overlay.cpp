@@ -26,9 +26,9 @@ std::shared_ptr<const CompactTile> shared_tile(const LayerSettings &layer) {
 	return compact_tile(layer, built(layer, hills(), tile_of_hills));
 }
 
-std::size_t count_of(const OverlaidMeshes &displayed) {
+std::size_t count_of(const OverlaidMeshes &meshes) {
 	std::size_t count = 0;
-	for (const auto &mesh : displayed) {
+	for (const auto &mesh : meshes) {
 		count += mesh->size();
 	}
 	return count;
@@ -65,9 +65,9 @@ TEST_CASE("overlay: removed and hidden instances are omitted, and all others are
 	const LayerSettings layer = rich_layer();
 	const auto tile = shared_tile(layer);
 	InstanceState state;
-	std::unordered_set<std::uint64_t> hidden;
+	std::unordered_set<std::uint64_t> hidden_ids;
 	std::mt19937 random(5);
-	std::size_t gone = 0;
+	std::size_t removed_count = 0;
 	const TileInstances whole_tile = expanded(*tile);
 	for (const MeshInstances &mesh : whole_tile.meshes) {
 		for (const std::uint64_t id : mesh.ids) {
@@ -75,30 +75,30 @@ TEST_CASE("overlay: removed and hidden instances are omitted, and all others are
 			if (draw < 2) {
 				REQUIRE(state.remove(id));
 			} else if (draw == 2) {
-				hidden.insert(id);
+				hidden_ids.insert(id);
 			}
-			gone += draw <= 2 ? 1 : 0;
+			removed_count += draw <= 2 ? 1 : 0;
 		}
 	}
-	const auto displayed = displayed_meshes(tile, layer, tile_of_hills, {&state, &hidden});
-	CHECK(count_of(displayed) == size_of(expanded(*tile)) - gone);
+	const auto displayed = displayed_meshes(tile, layer, tile_of_hills, {&state, &hidden_ids});
+	CHECK(count_of(displayed) == size_of(expanded(*tile)) - removed_count);
 	for (std::size_t mesh = 0; mesh < displayed.size(); ++mesh) {
-		const MeshInstances &whole = whole_tile.meshes[mesh];
-		const MeshInstances rest = expanded(*displayed[mesh]);
+		const MeshInstances &all_instances = whole_tile.meshes[mesh];
+		const MeshInstances remaining = expanded(*displayed[mesh]);
 		std::size_t at = 0;
-		for (std::size_t i = 0; i < whole.size(); ++i) {
-			if (state.removed(whole.ids[i]) || hidden.contains(whole.ids[i])) {
+		for (std::size_t i = 0; i < all_instances.size(); ++i) {
+			if (state.removed(all_instances.ids[i]) || hidden_ids.contains(all_instances.ids[i])) {
 				continue;
 			}
-			REQUIRE(at < rest.size());
-			CHECK(rest.ids[at] == whole.ids[i]);
-			CHECK(rest.ranks[at] == whole.ranks[i]);
-			const auto from = whole.buffer.begin() + static_cast<std::ptrdiff_t>(i * whole.stride);
-			const auto to = rest.buffer.begin() + static_cast<std::ptrdiff_t>(at * rest.stride);
-			CHECK(std::equal(from, from + static_cast<std::ptrdiff_t>(whole.stride), to));
+			REQUIRE(at < remaining.size());
+			CHECK(remaining.ids[at] == all_instances.ids[i]);
+			CHECK(remaining.ranks[at] == all_instances.ranks[i]);
+			const auto from = all_instances.buffer.begin() + static_cast<std::ptrdiff_t>(i * all_instances.stride);
+			const auto target = remaining.buffer.begin() + static_cast<std::ptrdiff_t>(at * remaining.stride);
+			CHECK(std::equal(from, from + static_cast<std::ptrdiff_t>(all_instances.stride), target));
 			++at;
 		}
-		CHECK(at == rest.size());
+		CHECK(at == remaining.size());
 	}
 }
 
@@ -109,15 +109,15 @@ TEST_CASE("overlay: hand-placed instances come first, only in their own tile, as
 	layer.instance_data.variation.max = 40.0;
 	const auto tile = shared_tile(layer);
 	InstanceState state;
-	std::uint64_t inside = 0;
+	std::uint64_t inside_count = 0;
 	std::uint64_t on_edge = 0;
 	std::uint64_t odd_mesh = 0;
-	REQUIRE(state.add(placed(layer, {10.5, 20.0, 30.25}, 1), inside).ok());
+	REQUIRE(state.add(placed(layer, {10.5, 20.0, 30.25}, 1), inside_count).ok());
 	REQUIRE(state.add(placed(layer, {64.0, 0.0, 64.0}, 1), on_edge).ok());
 	REQUIRE(state.add(placed(layer, {-64.0, 0.0, 0.0}, 200), odd_mesh).ok());
 	const auto displayed = displayed_meshes(tile, layer, tile_of_hills, {&state, nullptr});
 	CHECK(count_of(displayed) == size_of(expanded(*tile)) + 2);
-	CHECK(displayed[1]->find(inside) == 0);
+	CHECK(displayed[1]->find(inside_count) == 0);
 	CHECK(displayed[0]->find(odd_mesh) == 0);
 	CHECK(displayed[2].get() == &tile->meshes[2]);
 	CHECK(displayed[1]->find(on_edge) == displayed[1]->size());

@@ -29,10 +29,10 @@ void check_against_oracle(const PointSet &set, const CellRect &cells) {
 	CHECK(points.size() == expected);
 	for (const SamplePoint &point : points) {
 		const glm::ivec2 at = unpack(point.id).cell;
-		const auto found = truth.find({at.x, at.y});
-		REQUIRE(found != truth.end());
-		CHECK(found->second.lattice == lattice_position(set, point));
-		CHECK(found->second.rank == point.rank);
+		const auto match = truth.find({at.x, at.y});
+		REQUIRE(match != truth.end());
+		CHECK(match->second.lattice == lattice_position(set, point));
+		CHECK(match->second.rank == point.rank);
 	}
 }
 
@@ -50,11 +50,11 @@ TEST_CASE("oracle: the sampler's points match a strict-time heap") {
 			set.levels = levels;
 			set.layer = static_cast<std::uint16_t>(random());
 			// Half of the domains are near the origin, and the other half anywhere in the world.
-			const std::int32_t reach = domain % 2 == 0 ? 40 : cell_limit - 400;
+			const std::int32_t max_cell = domain % 2 == 0 ? 40 : cell_limit - 400;
 			const auto within = [&](std::int32_t bound) {
 				return static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(2 * bound)) - bound;
 			};
-			const glm::ivec2 corner(within(reach), within(reach));
+			const glm::ivec2 corner(within(max_cell), within(max_cell));
 			const glm::ivec2 size(
 					1 + static_cast<std::int32_t>(random() % 24), 1 + static_cast<std::int32_t>(random() % 24));
 			check_against_oracle(set, {corner, corner + size});
@@ -87,14 +87,14 @@ TEST_CASE("sampler: a set with a period matches a strict-time heap, and repeats"
 			for (const SamplePoint &point : points) {
 				const glm::i64vec2 lattice = lattice_position(set, point);
 				const glm::ivec2 at(lattice >> std::int64_t{lattice_bits});
-				const auto found = truth.find({at.x, at.y});
-				REQUIRE(found != truth.end());
-				CHECK(found->second.lattice == lattice);
-				CHECK(found->second.rank == point.rank);
+				const auto match = truth.find({at.x, at.y});
+				REQUIRE(match != truth.end());
+				CHECK(match->second.lattice == lattice);
+				CHECK(match->second.rank == point.rank);
 				const glm::ivec2 first(wrapped(at.x, set.period.x), wrapped(at.y, set.period.y));
 				CHECK(point.id == pack({set.layer, first}));
-				const glm::i64vec2 moved = lattice - glm::i64vec2(at - first) * std::int64_t{cell_size};
-				CHECK(in_period.try_emplace(point.id, moved).first->second == moved);
+				const glm::i64vec2 shifted = lattice - glm::i64vec2(at - first) * std::int64_t{cell_size};
+				CHECK(in_period.try_emplace(point.id, shifted).first->second == shifted);
 			}
 		}
 	}
@@ -123,14 +123,14 @@ double computed_for_one(std::uint32_t levels) {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
 	double computed = 0.0;
-	double kept = 0.0;
+	double kept_count = 0.0;
 	for (int tile = 0; tile < 12; ++tile) {
 		const PointSet set{.seed = static_cast<std::uint64_t>(tile), .radius = 1.0, .levels = levels, .layer = 1};
 		REQUIRE(sampler.sample(set, {{0.0, 0.0}, {64.0, 64.0}}, points).ok());
 		computed += static_cast<double>(sampler.stats().computed);
-		kept += static_cast<double>(sampler.stats().kept);
+		kept_count += static_cast<double>(sampler.stats().kept);
 	}
-	return computed / kept;
+	return computed / kept_count;
 }
 
 } // namespace
@@ -171,7 +171,7 @@ TEST_CASE("sampler: darts are decided in vectors, and early ones first, which sa
 	CHECK(bench::runs_vectors([&] { REQUIRE(sampler.sample(set, {{0.0, 0.0}, {64.0, 64.0}}, points).ok()); }));
 	// The measured numbers per point are 5.1 darts and 11.8 squares. With all darts in one pass,
 	// they would be 9.2 darts and 18.7 squares.
-	const auto kept = static_cast<double>(sampler.stats().kept);
-	CHECK(static_cast<double>(sampler.stats().darts) < 7.0 * kept);
-	CHECK(static_cast<double>(sampler.stats().squares) < 15.0 * kept);
+	const auto kept_count = static_cast<double>(sampler.stats().kept);
+	CHECK(static_cast<double>(sampler.stats().darts) < 7.0 * kept_count);
+	CHECK(static_cast<double>(sampler.stats().squares) < 15.0 * kept_count);
 }

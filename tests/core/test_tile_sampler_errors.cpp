@@ -42,9 +42,9 @@ struct Fixture {
 		CAPTURE(text);
 		CHECK(text.find(property) != std::string::npos);
 		CHECK(points == before);
-		std::vector<SamplePoint> again;
-		REQUIRE(sampler.sample(PointSet{.seed = 1}, small_rect, again).ok());
-		CHECK(again == before);
+		std::vector<SamplePoint> repeated;
+		REQUIRE(sampler.sample(PointSet{.seed = 1}, small_rect, repeated).ok());
+		CHECK(repeated == before);
 	}
 
 	void refuse_radius(double radius, ErrorCode code) {
@@ -107,8 +107,8 @@ TEST_CASE_FIXTURE(Fixture, "sampler errors: rectangles outside of the world") {
 	refuse_rect({0.0, limit - 1.0}, {1.0, std::nextafter(limit, inf)}, ErrorCode::out_of_range);
 	refuse_rect({0.0, std::nextafter(-limit, -inf)}, {1.0, 1.0 - limit}, ErrorCode::out_of_range);
 	refuse_rect({1e300, 1e300}, {1.1e300, 1.1e300}, ErrorCode::out_of_range);
-	const double most = std::numeric_limits<double>::max();
-	refuse_rect({-most, -most}, {most, most}, ErrorCode::out_of_range);
+	const double max_double = std::numeric_limits<double>::max();
+	refuse_rect({-max_double, -max_double}, {max_double, max_double}, ErrorCode::out_of_range);
 }
 
 TEST_CASE_FIXTURE(Fixture, "sampler errors: rectangles with too many points") {
@@ -136,8 +136,8 @@ TEST_CASE("sampler: sets of extreme radii are similar") {
 	// radius.
 	TileSampler sampler;
 	std::vector<SamplePoint> unit, other;
-	const PointSet one{.seed = 5, .radius = 1.0};
-	REQUIRE(sampler.sample(one, {{-10.0, -10.0}, {10.0, 10.0}}, unit).ok());
+	const PointSet unit_set{.seed = 5, .radius = 1.0};
+	REQUIRE(sampler.sample(unit_set, {{-10.0, -10.0}, {10.0, 10.0}}, unit).ok());
 	for (const double radius : {min_radius, 0x1p-8, 0x1p10, max_radius}) {
 		CAPTURE(radius);
 		const PointSet set{.seed = 5, .radius = radius};
@@ -145,7 +145,8 @@ TEST_CASE("sampler: sets of extreme radii are similar") {
 		CHECK(other.size() == unit.size());
 		std::size_t differ = 0;
 		for (std::size_t i = 0; i < std::min(unit.size(), other.size()); ++i) {
-			differ += lattice_position(set, other[i]) != lattice_position(one, unit[i]) || other[i].id != unit[i].id
+			differ +=
+					lattice_position(set, other[i]) != lattice_position(unit_set, unit[i]) || other[i].id != unit[i].id
 					? 1
 					: 0;
 		}
@@ -164,10 +165,10 @@ TEST_CASE("sampler: different seeds and layers are different sets") {
 		for (const SamplePoint &point : points) {
 			positions.push_back(point.position);
 		}
-		for (const std::vector<glm::dvec2> &earlier : sets) {
+		for (const std::vector<glm::dvec2> &previous : sets) {
 			std::size_t shared = 0;
 			for (const glm::dvec2 position : positions) {
-				shared += static_cast<std::size_t>(std::count(earlier.begin(), earlier.end(), position));
+				shared += static_cast<std::size_t>(std::count(previous.begin(), previous.end(), position));
 			}
 			CHECK(shared == 0);
 		}
@@ -213,16 +214,16 @@ TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised during the work cancels soon"
 TEST_CASE_FIXTURE(Fixture, "sampler: reports its progress, and can be canceled from a report") {
 	const Rect wide{{-300.0, 0.0}, {500.0, 400.0}};
 	double last = 0.0;
-	std::uint64_t found = 0;
-	const auto watch = [&](double fraction, std::uint64_t now) {
+	std::uint64_t point_count = 0;
+	const auto watch = [&](double fraction, std::uint64_t new_count) {
 		CHECK(fraction > last);
-		CHECK(now >= found);
+		CHECK(new_count >= point_count);
 		last = fraction;
-		found = now;
+		point_count = new_count;
 	};
 	REQUIRE(sampler.sample(PointSet{.seed = 1}, wide, points, {.cancel = nullptr, .report = watch}).ok());
 	CHECK(last == 1.0);
-	CHECK(found == points.size());
+	CHECK(point_count == points.size());
 	std::atomic<bool> cancel = false;
 	const auto stop = [&](double fraction, std::uint64_t) {
 		CHECK_FALSE(cancel);
@@ -265,9 +266,9 @@ TEST_CASE("sampler: repeated calls allocate nothing") {
 TEST_CASE("sampler: earlier work has no effect on the result") {
 	const PointSet set{.seed = 7, .radius = 0.5, .levels = 3, .layer = 2};
 	const Rect rect{{100.0, -50.0}, {130.0, -35.0}};
-	TileSampler fresh;
+	TileSampler new_sampler;
 	std::vector<SamplePoint> expected, points;
-	REQUIRE(fresh.sample(set, rect, expected).ok());
+	REQUIRE(new_sampler.sample(set, rect, expected).ok());
 	TileSampler used;
 	std::mt19937_64 random(8);
 	for (int i = 0; i < 40; ++i) {
@@ -282,8 +283,8 @@ TEST_CASE("sampler: earlier work has no effect on the result") {
 		const bool identical = points == expected;
 		CHECK(identical);
 	}
-	TileSampler moved = std::move(used);
-	REQUIRE(moved.sample(set, rect, points).ok());
+	TileSampler moved_sampler = std::move(used);
+	REQUIRE(moved_sampler.sample(set, rect, points).ok());
 	CHECK(points == expected);
 }
 

@@ -96,18 +96,18 @@ TEST_CASE("sampler: with threads, the calling one receives the progress of all, 
 	std::vector<SamplePoint> points;
 	Threads threads(3);
 	double last = 0.0;
-	std::uint64_t found = 0;
+	std::uint64_t point_count = 0;
 	const std::thread::id caller = std::this_thread::get_id();
-	const auto watch = [&](double fraction, std::uint64_t now) {
+	const auto watch = [&](double fraction, std::uint64_t new_count) {
 		CHECK(std::this_thread::get_id() == caller);
 		CHECK(fraction > last);
-		CHECK(now >= found);
+		CHECK(new_count >= point_count);
 		last = fraction;
-		found = now;
+		point_count = new_count;
 	};
 	REQUIRE(sampler.sample({.seed = 1}, wide, points, {.cancel = nullptr, .report = watch}, &threads).ok());
 	CHECK(last == 1.0);
-	CHECK(found == points.size());
+	CHECK(point_count == points.size());
 	std::atomic<bool> cancel = false;
 	const auto stop = [&](double fraction, std::uint64_t) {
 		cancel = fraction > 0.3;
@@ -119,8 +119,8 @@ TEST_CASE("sampler: with threads, the calling one receives the progress of all, 
 }
 
 TEST_CASE("sampler: with threads, the error names the first block that cannot be decided") {
-	constexpr SampleMargins none{.first = 0, .widest = 0};
-	TileSampler alone(none), together(none);
+	constexpr SampleMargins no_margins{.first = 0, .widest = 0};
+	TileSampler alone(no_margins), together(no_margins);
 	std::vector<SamplePoint> points(7);
 	const Status expected = alone.sample({.seed = 3}, wide, points);
 	Threads threads(3);

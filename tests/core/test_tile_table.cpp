@@ -33,22 +33,22 @@ TEST_CASE("tile disc: a disc contains the tiles that touch it, and lists those t
 		const double size = 4.0 + 3.0 * unit(random);
 		const double far_away = round % 2 == 0 ? 1e6 : 10.0;
 		const glm::dvec2 center = glm::dvec2(unit(random), unit(random)) * far_away;
-		const double reach = 40.0 * std::abs(unit(random));
+		const double radius = 40.0 * std::abs(unit(random));
 		TileDisc disc;
-		disc.set(size, center, reach);
+		disc.set(size, center, radius);
 		TileDisc other;
 		other.set(size, center + glm::dvec2(unit(random), unit(random)) * 60.0, 30.0);
 		const auto all = tiles_without(disc, TileDisc());
-		const auto rest = tiles_without(disc, other);
+		const auto remaining = tiles_without(disc, other);
 		const glm::ivec2 middle = tile_at(size, center);
 		for (int y = middle.y - 25; y <= middle.y + 25; ++y) {
 			for (int x = middle.x - 25; x <= middle.x + 25; ++x) {
 				const double distance = std::sqrt(distance_squared(tile_rect(size, {x, y}), center));
 				const bool in = all.contains({x, y});
 				// Rounding may decide distances this close to the reach.
-				CHECK((std::abs(distance - reach) < 1e-6 || in == (distance <= reach)));
+				CHECK((std::abs(distance - radius) < 1e-6 || in == (distance <= radius)));
 				CHECK(disc.contains({x, y}) == in);
-				CHECK(rest.contains({x, y}) == (in && !other.contains({x, y})));
+				CHECK(remaining.contains({x, y}) == (in && !other.contains({x, y})));
 			}
 		}
 	}
@@ -62,17 +62,17 @@ TEST_CASE("tile table: a table behaves like a map, and its slots are stable") {
 	for (int step = 0; step < 20000; ++step) {
 		const glm::ivec3 at(static_cast<int>(random() % 20) - 10, static_cast<int>(random() % 20) - 10,
 				random() % 2 == 0 ? all_slabs : static_cast<int>(random() % 4) - 2);
-		const auto found = expected.find({at.x, at.y, at.z});
-		CHECK(table.find(at) == (found != expected.end() ? found->second : TileTable::none));
+		const auto match = expected.find({at.x, at.y, at.z});
+		CHECK(table.find(at) == (match != expected.end() ? match->second : TileTable::none));
 		if (random() % 2 == 0) {
 			const std::uint32_t slot = table.find_or_add(at);
-			CHECK((found == expected.end() || found->second == slot));
+			CHECK((match == expected.end() || match->second == slot));
 			CHECK(table[slot].at == at);
 			expected[{at.x, at.y, at.z}] = slot;
-		} else if (found != expected.end()) {
-			table.erase(found->second);
-			CHECK_FALSE(table[found->second].exists);
-			expected.erase(found);
+		} else if (match != expected.end()) {
+			table.erase(match->second);
+			CHECK_FALSE(table[match->second].exists);
+			expected.erase(match);
 		}
 		CHECK(table.size() == expected.size());
 	}
@@ -89,15 +89,15 @@ TEST_CASE("tile queue: the nearest suitable tile, for any movement of the viewer
 	std::vector<bool> in;
 	glm::dvec2 position{0.0};
 	const auto squared = [&](std::uint32_t slot) {
-		const glm::dvec2 way = glm::dvec2(tiles[slot]) - position;
-		return way.x * way.x + way.y * way.y;
+		const glm::dvec2 offset = glm::dvec2(tiles[slot]) - position;
+		return offset.x * offset.x + offset.y * offset.y;
 	};
 	const auto measure = [&](TileQueue::Entry &entry) {
 		entry.distance_squared = squared(entry.slot);
 		return bool{in[entry.slot]};
 	};
 	for (int step = 0; step < 2000; ++step) {
-		for (std::uint64_t more = random() % 8 + (step == 500 ? 3000 : 0); more > 0; --more) {
+		for (std::uint64_t insert_count = random() % 8 + (step == 500 ? 3000 : 0); insert_count > 0; --insert_count) {
 			tiles.emplace_back(static_cast<int>(200.0 * unit(random)), static_cast<int>(200.0 * unit(random)), 0);
 			in.push_back(true);
 			queue.add(static_cast<std::uint32_t>(tiles.size() - 1), tiles.back());
@@ -105,14 +105,17 @@ TEST_CASE("tile queue: the nearest suitable tile, for any movement of the viewer
 			queue.add(static_cast<std::uint32_t>(random() % tiles.size()), tiles.back());
 		}
 		if (random() % 3 == 0) {
-			const glm::dvec2 way = glm::dvec2(unit(random), unit(random)) * 4.0;
-			position += way;
-			queue.move(std::sqrt(way.x * way.x + way.y * way.y));
+			const glm::dvec2 offset = glm::dvec2(unit(random), unit(random)) * 4.0;
+			position += offset;
+			queue.move(std::sqrt(offset.x * offset.x + offset.y * offset.y));
 		}
-		for (int taken = 0; taken < 5; ++taken) {
+		for (int taken_count = 0; taken_count < 5; ++taken_count) {
 			const TileQueue::Entry *entry = queue.first(
-					0, [&](TileQueue::Entry &one) { return one.at == tiles[one.slot] && measure(one); },
-					[&](const TileQueue::Entry &one) { return bool{in[one.slot]}; });
+					0,
+					[&](TileQueue::Entry &candidate) {
+						return candidate.at == tiles[candidate.slot] && measure(candidate);
+					},
+					[&](const TileQueue::Entry &candidate) { return bool{in[candidate.slot]}; });
 			double nearest = 1e300;
 			for (std::uint32_t slot = 0; slot < tiles.size(); ++slot) {
 				nearest = in[slot] ? std::min(nearest, squared(slot)) : nearest;
@@ -140,13 +143,13 @@ TEST_CASE("tile queue: few of many tiles are measured, and no tile twice while n
 	for (int x = 0; x < tiles; ++x) {
 		queue.add(static_cast<std::uint32_t>(x), {x, 0, 0});
 	}
-	const auto first_from = [&](int least) {
+	const auto first_from = [&](int lowest) {
 		measured = tested = 0;
 		return queue
 				.first(0, measure,
 						[&](const TileQueue::Entry &entry) {
 							++tested;
-							return entry.at.x >= least;
+							return entry.at.x >= lowest;
 						})
 				->at.x;
 	};

@@ -56,7 +56,7 @@ TEST_CASE("transform batch: batches are bit-identical to single transforms, on e
 			TransformBatch batch;
 			for (int round = 0; round < 60; ++round) {
 				std::vector<std::uint64_t> ids;
-				std::vector<glm::vec3> up;
+				std::vector<glm::vec3> normal_list;
 				std::vector<glm::vec3> positions;
 				std::vector<std::optional<Rotation>> headings;
 				batch.count = 0;
@@ -64,13 +64,13 @@ TEST_CASE("transform batch: batches are bit-identical to single transforms, on e
 				while (ids.size() < count) {
 					ids.push_back(random());
 					const glm::vec3 normal = random() % 8 == 0 ? glm::vec3(-0.0f, 1.0f, 0.0f) : random_normal(normals);
-					up.push_back(round % 3 == 0 && random() % 4 == 0 ? -normal : normal);
+					normal_list.push_back(round % 3 == 0 && random() % 4 == 0 ? -normal : normal);
 					positions.emplace_back(static_cast<float>(random() % 1000), -0.0f, static_cast<float>(count));
 					const double turn = static_cast<double>(random() % 1000) / 159.0;
 					headings.push_back(
 							round % 5 == 1 ? std::optional(Rotation{std::cos(turn), std::sin(turn)}) : std::nullopt);
 					batch.set_heading(headings.back());
-					batch.add(ids.back(), up.back(), positions.back());
+					batch.add(ids.back(), normal_list.back(), positions.back());
 				}
 				std::vector<double> scale_numbers;
 				while (round % 2 == 0 && scale_numbers.size() < count) {
@@ -82,12 +82,12 @@ TEST_CASE("transform batch: batches are bit-identical to single transforms, on e
 					expected[3] = positions[i].x;
 					expected[7] = positions[i].y;
 					expected[11] = positions[i].z;
-					std::array<float, transform_floats> got{};
-					const float scale = write_basis(placement, seed + static_cast<std::uint64_t>(round), ids[i], up[i],
-							expected, {}, scale_numbers.empty() ? std::nullopt : std::optional(scale_numbers[i]),
-							headings[i]);
-					batch.write(i, got);
-					REQUIRE(std::memcmp(expected.data(), got.data(), sizeof got) == 0);
+					std::array<float, transform_floats> actual{};
+					const float scale = write_basis(placement, seed + static_cast<std::uint64_t>(round), ids[i],
+							normal_list[i], expected, {},
+							scale_numbers.empty() ? std::nullopt : std::optional(scale_numbers[i]), headings[i]);
+					batch.write(i, actual);
+					REQUIRE(std::memcmp(expected.data(), actual.data(), sizeof actual) == 0);
 					REQUIRE(batch.scale[i] == scale);
 				}
 			}
@@ -115,8 +115,8 @@ TEST_CASE("transform batch: tiles are placed, and restored from compact tiles, i
 	};
 	CHECK(places_by_vectors());
 	REQUIRE(tile.meshes[0].size() > 10);
-	const std::shared_ptr<const CompactTile> known = compact_tile(layer, tile);
-	const CompactMesh &mesh = known->meshes[0];
+	const std::shared_ptr<const CompactTile> compact = compact_tile(layer, tile);
+	const CompactMesh &mesh = compact->meshes[0];
 	std::vector<float> floats(mesh.size() * mesh.stride());
 	CHECK(bench::runs_vectors([&] { mesh.read_all(floats); }));
 	CHECK(bench::runs_vectors(

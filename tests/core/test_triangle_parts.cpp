@@ -17,9 +17,9 @@ namespace {
 using Corners = std::vector<glm::dvec3>;
 
 TriangleParts::Part part_of(const Corners &corners) {
-	auto part = std::make_shared<TriangleTerrain>();
-	REQUIRE(part->set(corners).ok());
-	return part;
+	auto triangles = std::make_shared<TriangleTerrain>();
+	REQUIRE(triangles->set(corners).ok());
+	return triangles;
 }
 
 TriangleParts terrain_of(const std::vector<TriangleParts::Part> &parts) {
@@ -50,21 +50,21 @@ TEST_CASE("triangle parts: many meshes equal one mesh of all their triangles, in
 			parts.push_back(part_of(corners));
 			all.insert(all.end(), corners.begin(), corners.end());
 		}
-		TriangleTerrain one;
-		REQUIRE(one.set(all).ok());
+		TriangleTerrain single;
+		REQUIRE(single.set(all).ok());
 		const TriangleParts terrain = terrain_of(parts);
 		std::ranges::shuffle(parts, random);
 		const TriangleParts shuffled = terrain_of(parts);
-		std::size_t met = 0;
+		std::size_t hit_count = 0;
 		for (int i = 0; i < 2000; ++i) {
 			const glm::dvec2 position(120.0 * unit(random), 80.0 * unit(random));
 			const Ground ground = terrain.at(position);
-			met += std::isnan(ground.height) ? 0 : 1;
-			CHECK((same(ground, one.at(position)) ||
-					(std::isnan(ground.height) && std::isnan(one.at(position).height))));
+			hit_count += std::isnan(ground.height) ? 0 : 1;
+			CHECK((same(ground, single.at(position)) ||
+					(std::isnan(ground.height) && std::isnan(single.at(position).height))));
 			CHECK((same(ground, shuffled.at(position)) || std::isnan(ground.height)));
 		}
-		CHECK(met > 0);
+		CHECK(hit_count > 0);
 	}
 }
 

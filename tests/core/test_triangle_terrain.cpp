@@ -102,10 +102,10 @@ std::span<const glm::dvec3, 3> triangle_at(const Corners &corners, std::size_t i
 
 TEST_CASE("triangles: only a triangle, its edges and its corners have ground") {
 	// The triangle rises by 1 m per meter along x, so its slope is 45 degrees.
-	const Corners one{{0.0, 10.0, 0.0}, {4.0, 14.0, 0.0}, {0.0, 10.0, 4.0}};
+	const Corners triangle{{0.0, 10.0, 0.0}, {4.0, 14.0, 0.0}, {0.0, 10.0, 4.0}};
 	const double half = std::sqrt(0.5);
 	for (const std::array<std::size_t, 3> order : {std::array<std::size_t, 3>{0, 1, 2}, {2, 1, 0}, {1, 2, 0}}) {
-		const TriangleTerrain terrain = terrain_of({one[order[0]], one[order[1]], one[order[2]]});
+		const TriangleTerrain terrain = terrain_of({triangle[order[0]], triangle[order[1]], triangle[order[2]]});
 		for (const glm::dvec2 position : {glm::dvec2(0.0, 0.0), glm::dvec2(4.0, 0.0), glm::dvec2(0.0, 4.0),
 					 glm::dvec2(2.0, 0.0), glm::dvec2(0.0, 3.0), glm::dvec2(1.0, 3.0), glm::dvec2(1.0, 1.0)}) {
 			const Ground ground = terrain.at(position);
@@ -126,9 +126,9 @@ TEST_CASE("triangles: only a triangle, its edges and its corners have ground") {
 
 TEST_CASE("triangles: without triangles, or with only upright triangles, there is no ground") {
 	CHECK(hole(TriangleTerrain(), {0.0, 0.0}));
-	const TriangleTerrain none = terrain_of({});
-	CHECK(hole(none, {0.0, 0.0}));
-	CHECK(none.area().empty());
+	const TriangleTerrain no_triangles = terrain_of({});
+	CHECK(hole(no_triangles, {0.0, 0.0}));
+	CHECK(no_triangles.area().empty());
 	// A wall, a line and a point. The wall's corners have no exact binary representation.
 	const TriangleTerrain walls = terrain_of({{0.1, 0.0, 0.7}, {0.1, 9.0, 0.7}, {0.3, 3.0, 2.1}, {0.0, 0.0, 0.0},
 			{1.0, 1.0, 1.0}, {2.0, 2.0, 2.0}, {5.0, 5.0, 5.0}, {5.0, 5.0, 5.0}, {5.0, 5.0, 5.0}});
@@ -192,9 +192,9 @@ TEST_CASE("triangles: a mesh has no cracks, and only its own holes") {
 				for (int x = 1; x < surface.cells.x; ++x) {
 					// Positions along the inner edges, from sample to sample.
 					const glm::dvec3 from = surface.post(x, z);
-					for (const glm::dvec3 to : {surface.post(x - 1, z), surface.post(x, z - 1)}) {
+					for (const glm::dvec3 neighbor : {surface.post(x - 1, z), surface.post(x, z - 1)}) {
 						for (int i = 0; i < 40; ++i) {
-							const glm::dvec3 at = glm::mix(from, to, unit(random));
+							const glm::dvec3 at = glm::mix(from, neighbor, unit(random));
 							const float height = terrain.at({at.x, at.z}).height;
 							CHECK(!std::isnan(height));
 							CHECK(std::abs(height - at.y) <= 500.0 * grain);
@@ -237,8 +237,8 @@ TEST_CASE("triangles: slivers that meet in a fan have no crack, and no height be
 	const TriangleTerrain terrain = terrain_of(fan);
 	for (int i = 0; i < 20000; ++i) {
 		const glm::dvec3 on_rim = rim[1 + random() % (blades - 1)];
-		const double part = unit(random);
-		const glm::dvec3 at = glm::mix(tip, on_rim, part * part * part * 0.999999);
+		const double fraction = unit(random);
+		const glm::dvec3 at = glm::mix(tip, on_rim, fraction * fraction * fraction * 0.999999);
 		const glm::dvec2 position(at.x, at.z);
 		if (position.y <= tip.z || position == glm::dvec2(tip.x, tip.z)) {
 			continue; // The position is so near the tip that rounding moved it out of the fan.
@@ -246,7 +246,7 @@ TEST_CASE("triangles: slivers that meet in a fan have no crack, and no height be
 		const float height = terrain.at(position).height;
 		// A position may miss the fan only where the fan is at most one or two rounding steps of
 		// the coordinates wide.
-		CHECK((!std::isnan(height) || part * part * part * 50.0 * 1e-5 < 2e-11));
+		CHECK((!std::isnan(height) || fraction * fraction * fraction * 50.0 * 1e-5 < 2e-11));
 		CHECK((std::isnan(height) || std::abs(height - at.y) < 1e-4));
 		const glm::dvec3 normal(terrain.at(position).normal);
 		CHECK((std::isnan(height) || glm::distance(normal, glm::normalize(glm::dvec3(-0.1, 1.0, 0.0))) < 1e-3));
@@ -276,9 +276,9 @@ TEST_CASE("triangles: random triangles of all sizes match a scan of all triangle
 				const auto corner = triangle_at(corners, k);
 				int sides = 0;
 				for (std::size_t edge = 0; edge < 3; ++edge) {
-					const glm::dvec3 along = corner[(edge + 1) % 3] - corner[edge];
+					const glm::dvec3 edge_vector = corner[(edge + 1) % 3] - corner[edge];
 					const glm::dvec2 offset = position - glm::dvec2(corner[edge].x, corner[edge].z);
-					sides += along.x * offset.y - along.z * offset.x > 0.0 ? 1 : -1;
+					sides += edge_vector.x * offset.y - edge_vector.z * offset.x > 0.0 ? 1 : -1;
 				}
 				if (std::abs(sides) == 3) {
 					expected = std::max(expected, plane_height(corner, position));
@@ -287,9 +287,9 @@ TEST_CASE("triangles: random triangles of all sizes match a scan of all triangle
 			const Ground ground = terrain.at(position);
 			CHECK(std::isnan(ground.height) == (expected == -1e300));
 			CHECK((std::isnan(ground.height) || std::abs(ground.height - expected) < 1e-4));
-			const Ground same = reversed.at(position);
-			CHECK(std::memcmp(&ground.height, &same.height, sizeof(float)) == 0);
-			CHECK(glm::distance(ground.normal, same.normal) < 1e-6f);
+			const Ground reversed_ground = reversed.at(position);
+			CHECK(std::memcmp(&ground.height, &reversed_ground.height, sizeof(float)) == 0);
+			CHECK(glm::distance(ground.normal, reversed_ground.normal) < 1e-6f);
 		}
 	}
 }
@@ -355,45 +355,46 @@ TEST_CASE("triangles: the error names the first invalid corner") {
 }
 
 TEST_CASE("triangles: a canceled build has no effect") {
-	const std::vector<glm::dvec3> one{{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {0.0, 1.0, 4.0}};
+	const std::vector<glm::dvec3> single{{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {0.0, 1.0, 4.0}};
 	TriangleTerrain terrain;
-	REQUIRE(terrain.set(one).ok());
-	std::vector<glm::dvec3> many;
+	REQUIRE(terrain.set(single).ok());
+	std::vector<glm::dvec3> many_corners;
 	for (int i = 0; i < 3000; ++i) {
-		many.emplace_back(0.1 * i, 5.0, i % 3);
+		many_corners.emplace_back(0.1 * i, 5.0, i % 3);
 	}
 	std::atomic<bool> cancel = true;
-	CHECK(terrain.set(many, &cancel).code == ErrorCode::cancelled);
+	CHECK(terrain.set(many_corners, &cancel).code == ErrorCode::cancelled);
 	CHECK(terrain.at({1.0, 1.0}).height == 1.0F);
 	cancel = false;
-	CHECK(terrain.set(many, &cancel).ok());
+	CHECK(terrain.set(many_corners, &cancel).ok());
 	CHECK(terrain.at({1.0, 1.0}).height == 5.0F);
 }
 
 TEST_CASE("triangles: triangles next to or below the position are not computed") {
 	// Computing these triangles involves only integers. Four triangles form a leaf of the tree.
-	Corners even;
+	Corners even_corners;
 	for (const double height : {8.0, 9.0, 10.0, 11.0}) {
-		even = even + Corners{{0.0, height, 0.0}, {4.0, height, 0.0}, {0.0, height, 4.0}};
+		even_corners = even_corners + Corners{{0.0, height, 0.0}, {4.0, height, 0.0}, {0.0, height, 4.0}};
 	}
 	// Computing these triangles rounds intermediate results.
 	const auto uneven = [](glm::dvec2 center, double height) {
 		Corners corners;
 		for (int i = 0; i < 4; ++i) {
-			const double far = 20.1 + 0.3 * i;
+			const double distance = 20.1 + 0.3 * i;
 			corners = corners +
-					Corners{{center.x - far, height, center.y - far}, {center.x + far, height + 0.1, center.y - far},
-							{center.x + 0.1, height, center.y + far}};
+					Corners{{center.x - distance, height, center.y - distance},
+							{center.x + distance, height + 0.1, center.y - distance},
+							{center.x + 0.1, height, center.y + distance}};
 		}
 		return corners;
 	};
 	const glm::dvec2 position{1.0, 1.0};
 	const auto computes_uneven = [&](const Corners &corners) {
-		const TriangleTerrain terrain = terrain_of(even + corners);
+		const TriangleTerrain terrain = terrain_of(even_corners + corners);
 		Ground ground;
-		const bool found = rounds([&] { ground = terrain.at(position); });
+		const bool has_ground = rounds([&] { ground = terrain.at(position); });
 		CHECK(ground.height >= 11.0f);
-		return found;
+		return has_ground;
 	};
 	// The uneven triangles come before the even ones in the tree in the first round, and after them
 	// in the second.

@@ -16,8 +16,8 @@ int tiles_in_view(const StreamLayer &layer, glm::dvec2 viewer) {
 	int count = 0;
 	for (int y = -10; y <= 10; ++y) {
 		for (int x = -10; x <= 10; ++x) {
-			const double away = distance_squared(tile_rect(layer.tile_size, {x, y}), viewer);
-			count += away <= layer.view_distance * layer.view_distance ? 1 : 0;
+			const double squared = distance_squared(tile_rect(layer.tile_size, {x, y}), viewer);
+			count += squared <= layer.view_distance * layer.view_distance ? 1 : 0;
 		}
 	}
 	return count;
@@ -26,8 +26,8 @@ int tiles_in_view(const StreamLayer &layer, glm::dvec2 viewer) {
 } // namespace
 
 TEST_CASE("the area in view is the area of the tiles around a viewer, over all its positions") {
-	for (const double reach : {0.0, 20.0, 64.0, 200.0}) {
-		const StreamLayer layer{32.0, reach};
+	for (const double radius : {0.0, 20.0, 64.0, 200.0}) {
+		const StreamLayer layer{32.0, radius};
 		constexpr int steps = 64;
 		double area = 0.0;
 		for (int step = 0; step < steps * steps; ++step) {

@@ -24,12 +24,14 @@ public:
 	}
 };
 
-glm::dvec3 unit(glm::dvec3 way) { return way / std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z); }
+glm::dvec3 unit(glm::dvec3 vector) {
+	return vector / std::sqrt(vector.x * vector.x + vector.y * vector.y + vector.z * vector.z);
+}
 
-void check_near(glm::dvec3 found, glm::dvec3 expected, double tolerance) {
-	CHECK(std::abs(found.x - expected.x) <= tolerance);
-	CHECK(std::abs(found.y - expected.y) <= tolerance);
-	CHECK(std::abs(found.z - expected.z) <= tolerance);
+void check_near(glm::dvec3 actual, glm::dvec3 expected, double tolerance) {
+	CHECK(std::abs(actual.x - expected.x) <= tolerance);
+	CHECK(std::abs(actual.y - expected.y) <= tolerance);
+	CHECK(std::abs(actual.z - expected.z) <= tolerance);
 }
 
 } // namespace
@@ -37,12 +39,12 @@ void check_near(glm::dvec3 found, glm::dvec3 expected, double tolerance) {
 TEST_CASE("view focus: an axis ends where it meets the ground") {
 	const FlatTerrain flat(20.0F);
 	check_near(view_focus({{3.0, 1700.0, -5.0}, {0.0, -1.0, 0.0}, 4000.0, 0.0}, &flat, 0.0), {3.0, 20.0, -5.0}, 0.2);
-	const glm::dvec3 away = unit({1.0, -1.0, 1.0});
-	check_near(view_focus({{-980.0, 1000.0, -980.0}, away, 4000.0, 0.0}, &flat, 0.0), {0.0, 20.0, 0.0}, 0.2);
+	const glm::dvec3 view_direction = unit({1.0, -1.0, 1.0});
+	check_near(view_focus({{-980.0, 1000.0, -980.0}, view_direction, 4000.0, 0.0}, &flat, 0.0), {0.0, 20.0, 0.0}, 0.2);
 
 	const Hills hills;
-	const glm::dvec3 down = unit({1.0, -0.5, 0.0});
-	const auto hit = ground_on_ray(hills, {0.0, 300.0, 0.0}, down, 4000.0);
+	const glm::dvec3 downward = unit({1.0, -0.5, 0.0});
+	const auto hit = ground_on_ray(hills, {0.0, 300.0, 0.0}, downward, 4000.0);
 	REQUIRE(hit.has_value());
 	CHECK(std::abs(hit->y - Hills::height(hit->x)) < 0.2);
 	CHECK(hit->y == doctest::Approx(300.0 - 0.5 * hit->x));

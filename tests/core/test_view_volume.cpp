@@ -22,15 +22,15 @@ TEST_CASE("view volume: a point is visible exactly if it is inside") {
 	const ViewVolume view = straight_ahead();
 	std::mt19937 random(3);
 	std::uniform_real_distribution<double> along(-120.0, 120.0);
-	int seen = 0;
+	int visible_count = 0;
 	for (int i = 0; i < 20000; ++i) {
 		const glm::dvec3 at(along(random), along(random), along(random));
 		const double depth = -at.z;
 		const bool within = depth >= 1.0 && depth <= 100.0 && std::abs(at.x) <= depth && std::abs(at.y) <= depth;
 		CHECK(view.touches(at, at) == within);
-		seen += within ? 1 : 0;
+		visible_count += within ? 1 : 0;
 	}
-	CHECK(seen > 1000);
+	CHECK(visible_count > 1000);
 }
 
 TEST_CASE("view volume: a box is visible if a part of it is") {

@@ -21,14 +21,14 @@ namespace {
 
 /// Checks that every tiling returns the same points as a single call for the whole region.
 void check_tilings(const PointSet &set, const Rect &region, std::span<const Tiling> tilings, std::size_t min_points) {
-	const std::vector<SamplePoint> whole = points_at_once(set, region);
-	CHECK(whole.size() >= min_points);
+	const std::vector<SamplePoint> all_points = points_at_once(set, region);
+	CHECK(all_points.size() >= min_points);
 	for (const Tiling &tiling : tilings) {
 		CAPTURE(tiling.name);
 		const std::vector<SamplePoint> tiled = points_through(set, region, tiling);
-		CHECK(tiled.size() == whole.size());
+		CHECK(tiled.size() == all_points.size());
 		// CHECK on the vectors themselves would print up to a million points.
-		const bool identical = tiled == whole;
+		const bool identical = tiled == all_points;
 		CHECK(identical);
 	}
 }
@@ -163,10 +163,10 @@ TEST_CASE("windows: a strip of 900 km") {
 	for (const double x : {-450'000.0, -0.5, 449'000.0}) {
 		CAPTURE(x);
 		const Rect window{{x, 3.0}, {x + 1000.0, 4.0}};
-		std::vector<SamplePoint> inside;
-		std::copy_if(strip.begin(), strip.end(), std::back_inserter(inside),
+		std::vector<SamplePoint> inner_points;
+		std::copy_if(strip.begin(), strip.end(), std::back_inserter(inner_points),
 				[&](const SamplePoint &point) { return window.contains(point.position); });
-		CHECK((inside == points_at_once(set, window)));
+		CHECK((inner_points == points_at_once(set, window)));
 	}
 }
 
@@ -178,19 +178,20 @@ TEST_CASE("windows: tiles at the corners of the world return the same points") {
 		const glm::dvec2 outer = side * limit;
 		const glm::dvec2 inner = side * (limit - 12.0);
 		const Rect region{glm::min(outer, inner), glm::max(outer, inner)};
-		const std::vector<SamplePoint> whole = points_at_once(set, region);
-		CHECK(whole.size() > 350);
+		const std::vector<SamplePoint> all_points = points_at_once(set, region);
+		CHECK(all_points.size() > 350);
 		std::vector<SamplePoint> parts;
-		for (int part = 0; part < 4; ++part) {
+		for (int quarter_index = 0; quarter_index < 4; ++quarter_index) {
 			const glm::dvec2 middle = region.center();
-			const Rect quarter{{part & 1 ? middle.x : region.min.x, part & 2 ? middle.y : region.min.y},
-					{part & 1 ? region.max.x : middle.x, part & 2 ? region.max.y : middle.y}};
-			const std::vector<SamplePoint> found = points_at_once(set, quarter);
-			parts.insert(parts.end(), found.begin(), found.end());
+			const Rect quarter{
+					{quarter_index & 1 ? middle.x : region.min.x, quarter_index & 2 ? middle.y : region.min.y},
+					{quarter_index & 1 ? region.max.x : middle.x, quarter_index & 2 ? region.max.y : middle.y}};
+			const std::vector<SamplePoint> quarter_points = points_at_once(set, quarter);
+			parts.insert(parts.end(), quarter_points.begin(), quarter_points.end());
 		}
 		std::sort(parts.begin(), parts.end(), [](const SamplePoint &a, const SamplePoint &b) { return a.id < b.id; });
-		CHECK(parts == whole);
-		for (const SamplePoint &point : whole) {
+		CHECK(parts == all_points);
+		for (const SamplePoint &point : all_points) {
 			const glm::ivec2 cell = unpack(point.id).cell;
 			CHECK(glm::min(cell.x, cell.y) >= -cell_limit);
 			CHECK(glm::max(cell.x, cell.y) < cell_limit);

@@ -165,8 +165,8 @@ TileInstances built_in_steps(const LayerSettings &layer, const Terrain &terrain,
 		for (const GroundQuery &each : builder.queries()) {
 			REQUIRE(each.first == end);
 			end += each.count;
-			const auto part = std::span(ground).subspan(each.first, each.count);
-			REQUIRE(terrain.query(builder.positions().subspan(each.first, each.count), each.needs, part).ok());
+			const auto query_grounds = std::span(ground).subspan(each.first, each.count);
+			REQUIRE(terrain.query(builder.positions().subspan(each.first, each.count), each.needs, query_grounds).ok());
 		}
 	};
 	query();
@@ -243,12 +243,12 @@ TEST_CASE("world inputs: an error names the allowed arguments") {
 		CHECK_MESSAGE(error.message.find(message) != std::string::npos, error.message);
 		CHECK(error.column == 1);
 	}
-	std::string many = "0";
-	for (int number = 0; number <= static_cast<int>(max_world_inputs); ++number) {
-		many += " + texture(" + std::to_string(number) + ")";
+	std::string expression = "0";
+	for (int index = 0; index <= static_cast<int>(max_world_inputs); ++index) {
+		expression += " + texture(" + std::to_string(index) + ")";
 	}
 	ExpressionError error;
-	CHECK(DensityExpression::compile(many, error) == nullptr);
+	CHECK(DensityExpression::compile(expression, error) == nullptr);
 	CHECK(error.message.find("at most 16 biomes, textures, distances") != std::string::npos);
 }
 
@@ -348,10 +348,10 @@ TEST_CASE("world inputs: on a sphere, meshes and rules use the same values in an
 	for (const std::uint32_t index : triangles.indices) {
 		corners.push_back(triangles.vertices[index]);
 	}
-	auto part = std::make_shared<TriangleTerrain>();
-	REQUIRE(part->set(corners, nullptr, Winding::counterclockwise).ok());
+	auto terrain_part = std::make_shared<TriangleTerrain>();
+	REQUIRE(terrain_part->set(corners, nullptr, Winding::counterclockwise).ok());
 	TriangleParts terrain;
-	const std::array<TriangleParts::Part, 1> parts{part};
+	const std::array<TriangleParts::Part, 1> parts{terrain_part};
 	REQUIRE(terrain.set(parts).ok());
 	for (const bool on_planet : {false, true}) {
 		auto stones = rocks();
@@ -410,11 +410,11 @@ TEST_CASE("world inputs: textures on surfaces and missing sources are errors") {
 	layer.world_sources.clear();
 	check_refused(
 			builder.build(layer, textured_hills(), tile_of_hills, tile), ErrorCode::missing, "world_sources", 0.0);
-	std::vector<std::string> many;
+	std::vector<std::string> names;
 	for (std::size_t mesh = 0; mesh <= max_world_sources; ++mesh) {
-		many.push_back("texture(" + std::to_string(mesh) + ")");
+		names.push_back("texture(" + std::to_string(mesh) + ")");
 	}
-	check_refused(builder.build(with_meshes(many), textured_hills(), tile_of_hills, tile), ErrorCode::out_of_range,
+	check_refused(builder.build(with_meshes(names), textured_hills(), tile_of_hills, tile), ErrorCode::out_of_range,
 			"mesh_density_expressions", static_cast<double>(max_world_sources + 1));
 }
 
@@ -442,13 +442,13 @@ TEST_CASE("world inputs: links find the measured layers among the earlier ones")
 TEST_CASE("world inputs: an edit affects the instances and meshes around it, and nothing else") {
 	const Heightfield terrain = textured_hills();
 	const auto stones = rocks();
-	auto moved = std::make_shared<LayerSettings>(*stones);
+	auto moved_stones = std::make_shared<LayerSettings>(*stones);
 	auto mask = std::make_shared<PaintedMask>();
 	Rect painted;
 	REQUIRE(mask->reset(1.0, 1.0).ok());
 	stones->rules.mask = std::make_shared<PaintedMask>(*mask);
 	REQUIRE(mask->paint({Brush::Mode::erase, {0.0, 64.0}, 20.0, 1.0, 1.0}, painted).ok());
-	moved->rules.mask = mask;
+	moved_stones->rules.mask = mask;
 	const std::string text = "biome(1) + distance('Rocks', 12) / 20";
 	for (const bool for_meshes : {false, true}) {
 		for (const bool biome : {false, true}) {
@@ -461,33 +461,33 @@ TEST_CASE("world inputs: an edit affects the instances and meshes around it, and
 				add_sources(before, stones, before.world_sources.empty() ? nullptr : stripes());
 				after = before;
 				for (WorldSource &source : after.world_sources) {
-					source.layer = source.layer != nullptr ? moved : nullptr;
+					source.layer = source.layer != nullptr ? moved_stones : nullptr;
 				}
 			}
 			EditSearch search;
 			const EditedArea area = search.find(before, after);
 			CHECK_FALSE(area.everywhere);
 			CHECK_FALSE(area.areas.empty());
-			const Meshes was = meshes_of(before, terrain, tile_of_hills);
-			const Meshes is = meshes_of(after, terrain, tile_of_hills);
-			CHECK(was != is);
-			int kept = 0;
+			const Meshes previous = meshes_of(before, terrain, tile_of_hills);
+			const Meshes current = meshes_of(after, terrain, tile_of_hills);
+			CHECK(previous != current);
+			int kept_count = 0;
 			for (const auto &[id, position] : positions_of(before, tile_of_hills)) {
 				if (!area.touches({position, position})) {
-					++kept;
-					const auto a = was.find(id);
-					const auto b = is.find(id);
-					REQUIRE((a == was.end()) == (b == is.end()));
-					CHECK((a == was.end() || a->second == b->second));
+					++kept_count;
+					const auto a = previous.find(id);
+					const auto b = current.find(id);
+					REQUIRE((a == previous.end()) == (b == current.end()));
+					CHECK((a == previous.end() || a->second == b->second));
 				}
 			}
-			CHECK(kept > 100);
+			CHECK(kept_count > 100);
 			// Other layers see only the instances, which the choice of meshes does not change.
 			LayerSettings ferns = plants();
 			ferns.neighbors = {{std::make_shared<const LayerSettings>(before), 1.0, nullptr}};
-			LayerSettings later = ferns;
-			later.neighbors[0].layer = std::make_shared<const LayerSettings>(after);
-			CHECK(EditSearch().find(ferns, later).empty() == for_meshes);
+			LayerSettings later_ferns = ferns;
+			later_ferns.neighbors[0].layer = std::make_shared<const LayerSettings>(after);
+			CHECK(EditSearch().find(ferns, later_ferns).empty() == for_meshes);
 		}
 	}
 	LayerSettings before = with_rule("mask_red");

@@ -102,13 +102,13 @@ inline Transforms transforms_of(const TileInstances &tile) {
 
 /// Checks that a filter reduced `all` to `some`: more than 50 but not all instances, with
 /// bit-identical transforms.
-inline void check_filtered(const Transforms &all, const Transforms &some) {
-	CHECK(some.size() > 50);
-	CHECK(some.size() < all.size());
-	for (const auto &[id, transform] : some) {
-		const auto found = all.find(id);
-		REQUIRE(found != all.end());
-		CHECK(std::memcmp(found->second.data(), transform.data(), sizeof(float) * transform_floats) == 0);
+inline void check_filtered(const Transforms &all, const Transforms &remaining) {
+	CHECK(remaining.size() > 50);
+	CHECK(remaining.size() < all.size());
+	for (const auto &[id, transform] : remaining) {
+		const auto match = all.find(id);
+		REQUIRE(match != all.end());
+		CHECK(std::memcmp(match->second.data(), transform.data(), sizeof(float) * transform_floats) == 0);
 	}
 }
 
@@ -121,10 +121,10 @@ inline void check_on_threads(const LayerSettings &layer, const Terrain &terrain,
 		threads.emplace_back([&each, &terrain, &layer] {
 			const Rect other{{-200.0, -90.0}, {-150.0, -10.0}};
 			TileBuilder builder;
-			TileInstances mine;
-			for (std::uint64_t &one : each) {
-				one = builder.build(layer, terrain, tile_of_hills, mine).ok() ? digest(mine) : 0;
-				if (!builder.build(layer, terrain, other, mine).ok()) {
+			TileInstances part_tile;
+			for (std::uint64_t &part_digest : each) {
+				part_digest = builder.build(layer, terrain, tile_of_hills, part_tile).ok() ? digest(part_tile) : 0;
+				if (!builder.build(layer, terrain, other, part_tile).ok()) {
 					return;
 				}
 			}

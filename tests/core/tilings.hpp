@@ -89,16 +89,16 @@ inline std::vector<SamplePoint> points_through(const PointSet &set, const Rect &
 	std::atomic<std::size_t> next{0};
 	std::vector<WorkerResult> results(tiling.threads);
 	std::vector<std::thread> workers;
-	for (WorkerResult &own : results) {
-		workers.emplace_back([&] { harvest(set, region, tiles, next, own); });
+	for (WorkerResult &result : results) {
+		workers.emplace_back([&] { harvest(set, region, tiles, next, result); });
 	}
 	for (std::thread &worker : workers) {
 		worker.join();
 	}
 	std::vector<SamplePoint> points;
-	for (const WorkerResult &own : results) {
-		REQUIRE_MESSAGE(own.failure.empty(), own.failure);
-		points.insert(points.end(), own.points.begin(), own.points.end());
+	for (const WorkerResult &result : results) {
+		REQUIRE_MESSAGE(result.failure.empty(), result.failure);
+		points.insert(points.end(), result.points.begin(), result.points.end());
 	}
 	std::sort(points.begin(), points.end(), [](const SamplePoint &a, const SamplePoint &b) { return a.id < b.id; });
 	return points;
