@@ -100,9 +100,9 @@ void dab(PaintedMask &r_mask, Bytes &r_bytes) {
 		positions.emplace_back(changed_rect.min.x + near.x * changed_rect.size().x, changed_rect.max.y);
 	}
 	const std::vector<float> previous = densities(before, positions);
-	const std::vector<float> is = densities(r_mask, positions);
+	const std::vector<float> current = densities(r_mask, positions);
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		require(changed_rect.contains(positions[i]) || previous[i] == is[i],
+		require(changed_rect.contains(positions[i]) || previous[i] == current[i],
 				"nothing changes outside of a dab's rectangle");
 	}
 	const PixelRect region = before.pixels_of({brush.center - brush.radius, brush.center + brush.radius});

@@ -54,21 +54,21 @@ def read_facts(out: Path) -> dict[str, tables.Row]:
     return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
 
-def measure(given: argparse.Namespace, out: Path) -> None:
+def measure(options: argparse.Namespace, out: Path) -> None:
     """Measures the requested parts and writes their tables and the facts about the machine."""
     out.mkdir(parents=True, exist_ok=True)
-    folder = given.programs.resolve()
-    settings = QUICK if given.quick else replace(FULL, longest_large_run=60.0 * given.minutes)
-    peers = Peers(BENCH / "peers", given.peers_python, given.peers_rust)
+    folder = options.programs.resolve()
+    settings = QUICK if options.quick else replace(FULL, longest_large_run=60.0 * options.minutes)
+    peers = Peers(BENCH / "peers", options.peers_python, options.peers_rust)
     programs = Programs(folder, peers.run, CONTENDERS + peers.contenders())
-    for name in given.only or PARTS:
+    for name in options.only or PARTS:
         part = PARTS[name]
         facts = read_facts(out)
         facts.pop(name, None)
         (out / FACTS).write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
         for table in part.tables:
             (out / table).unlink(missing_ok=True)
-        facts[name] = machine.describe(REPO, folder, given.quick)
+        facts[name] = machine.describe(REPO, folder, options.quick)
         part.measure(programs, settings, out)
         (out / FACTS).write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
 
