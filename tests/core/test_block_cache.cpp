@@ -218,14 +218,14 @@ TEST_CASE("Whole tiles are the same with cached blocks, even if layers depend on
 	LayerSettings plants = rich_layer();
 	plants.set = {.seed = 4, .radius = 2.0, .layer = 2};
 	plants.neighbors = {{std::make_shared<LayerSettings>(trees), 5.0, nullptr}};
-	TileBuilder cached({}, std::make_shared<BlockCache>());
-	TileBuilder uncached;
+	TileBuilder caching_builder({}, std::make_shared<BlockCache>());
+	TileBuilder plain_builder;
 	TileInstances cached, alone;
 	const Heightfield ground = hills();
 	for (int i = 0; i < 64; ++i) {
 		const Rect tile = tile_of(plants.set, 12.0, i % 8, i / 8);
-		REQUIRE(cached.build(plants, ground, tile, cached).ok());
-		REQUIRE(uncached.build(plants, ground, tile, alone).ok());
+		REQUIRE(caching_builder.build(plants, ground, tile, cached).ok());
+		REQUIRE(plain_builder.build(plants, ground, tile, alone).ok());
 		REQUIRE(cached.meshes.size() == alone.meshes.size());
 		for (std::size_t mesh = 0; mesh < cached.meshes.size(); ++mesh) {
 			CHECK(cached.meshes[mesh].buffer == alone.meshes[mesh].buffer);
