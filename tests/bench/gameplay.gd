@@ -119,12 +119,12 @@ func _measure_removals(rounds: int) -> void:
 			_draw()))
 		_restore(ids)
 		count = ids.size()
-		positions.push_back(count * 1e6 / time_of(func() -> void:
+		rates.push_back(count * 1e6 / time_of(func() -> void:
 			scatter.remove_in_sphere(_center, 30.0, scatter.layers[1])
 			_draw()))
 		_restore(ids)
 	row("remove_instance, %d one by one in a frame, redraw included" % count, single, "per second", 0)
-	row("remove_in_sphere, %d at once, redraw included" % count, positions, "per second", 0)
+	row("remove_in_sphere, %d at once, redraw included" % count, rates, "per second", 0)
 
 
 ## Updates the displayed tiles, because reading a tile applies all changes to it.
