@@ -9,14 +9,14 @@ const GATE := ADDON + "library_gate.gd"
 ## only through these variables. Maps each variable to the class of its value.
 const UNTYPED: Dictionary[String, StringName] = {
 	"scatter": &"TerrainScatter3D", "_scatter": &"TerrainScatter3D",
-	"layer": &"ScatterLayer", "_layer": &"ScatterLayer", "found": &"ScatterLayer",
-	"model": &"ScatterModel", "built": &"ScatterTile", "grid": &"ScatterTileGrid", "lod": &"ScatterLod",
+	"layer": &"ScatterLayer", "_layer": &"ScatterLayer", "target_layer": &"ScatterLayer",
+	"model": &"ScatterModel", "tile_instances": &"ScatterTile", "grid": &"ScatterTileGrid", "lod": &"ScatterLod",
 	"_baker": &"ScatterImpostorBaker", "ground": &"ScatterGround", "combined": &"ScatterGroundCombined", "explanation": &"ScatterExplanation",
 }
 ## Variables, by script, that this test does not check. They hold objects of Terrain3D or no objects, but use names that members of the
 ## library also have.
 const FOREIGN: Dictionary[String, PackedStringArray] = {
-	"import_instances.gd": ["node", "terrain", "data", "region", "asset", "Object", "look"],
+	"import_instances.gd": ["node", "terrain", "data", "region", "asset", "Object", "appearance"],
 }
 ## Members that gated scripts may access by name, because only some of the possible objects have them: the rect of some ground classes,
 ## a path's curve, the virtual method that a rule's script may have, and the members of other plugins' terrains.

@@ -40,7 +40,7 @@ func baked_lods(layer: ScatterLayer, entry: int) -> Array:
 			result.append([lod.distance, (load(lod.path) as Mesh).get_aabb().size])
 		else:
 			var at := "user://%s" % lod.path.get_file()
-			FileAccess.open(at, FileAccess.WRITE).store_buffer(files.written[lod.path])
+			FileAccess.open(at, FileAccess.WRITE).store_buffer(files.new_files[lod.path])
 			result.append([lod.distance, (ResourceLoader.load(at, "", ResourceLoader.CACHE_MODE_IGNORE) as Mesh).get_aabb().size])
 			DirAccess.remove_absolute(at)
 	return result

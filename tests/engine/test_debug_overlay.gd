@@ -34,11 +34,11 @@ func test_it_shows_figures_after_its_key_is_pressed() -> void:
 	check(shown_count > 500 and text.contains("Wood: ") and text.contains("0 tiles pending") and text.contains("Larches"), text)
 	check(text.replace(",", "").contains("%d instances in %d tiles" % [shown_count, scatter.get_stats()["tiles"]]), text)
 	check(text.contains("in view: ") and not text.contains("in view: 0 instances"), text)
-	var why: Array = overlay.get(&"_why").rows
+	var why: Array = overlay.get(&"_explanation").rows
 	check(why.any(func(row: Array) -> bool: return row[1].contains("Larches")), "why: %s" % [why])
 	camera.look_at_from_position(Vector3(0.0, 10.0, 0.0), Vector3(0.0, 20.0, -12.0))
 	overlay.update()
-	check(overlay.get(&"_why").rows.is_empty(), "nothing is explained in the sky: %s" % [overlay.get(&"_why").rows])
+	check(overlay.get(&"_explanation").rows.is_empty(), "nothing is explained in the sky: %s" % [overlay.get(&"_explanation").rows])
 	scatter.visible = false
 	overlay.update()
 	check("\n".join(overlay.lines).contains(", hidden"), "a hidden scatter")
@@ -50,7 +50,7 @@ func test_it_shows_figures_after_its_key_is_pressed() -> void:
 	scatter.free()
 	overlay.update()
 	check_equal(overlay.lines.size(), 1, "a game without scatters")
-	check(overlay.get(&"_why").rows.is_empty(), "nothing to explain")
+	check(overlay.get(&"_explanation").rows.is_empty(), "nothing to explain")
 
 
 ## The overlay explains the ground at the center of the screen also on the underside of a planet.
@@ -79,7 +79,7 @@ func test_it_explains_the_underside_of_a_planet() -> void:
 	var overlay: CanvasLayer = (load(FILE) as GDScript).new()
 	root.add_child(overlay)
 	overlay.update()
-	var why: Array = overlay.get(&"_why").rows
+	var why: Array = overlay.get(&"_explanation").rows
 	check(why.any(func(row: Array) -> bool: return row[1].contains("Larches")), "why: %s" % [why])
 	check(not why.any(func(row: Array) -> bool: return row[1].contains("no ground")), "it is on the ground: %s" % [why])
 	overlay.free()

@@ -31,11 +31,11 @@ var _scatter: Node3D
 var _rect := Rect2()
 var _folder := ""
 var _name := ""
-var _running := false
+var _is_running := false
 var _nodes: Array[Array] = [] # One entry per MultiMesh: layer, tile, origin, MultiMesh.
 var _tiles: Array[Vector3i] = [] # The tiles to bake: layer index, tile x, tile y.
-var _next := 0
-var _written: PackedStringArray = []
+var _next_tile := 0
+var _written_files: PackedStringArray = []
 var _mesh_files: Dictionary[Mesh, Mesh] = {}
 
 
@@ -53,20 +53,20 @@ func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers :=
 	_folder = folder if folder.ends_with("/") else folder + "/"
 	scene_path = _folder + name + ".tscn"
 	if not _rect.is_finite() or not _rect.has_area():
-		return _refuse(ERR_INVALID_PARAMETER, "The rectangle must be finite and have an area, got %s." % rect)
+		return _fail(ERR_INVALID_PARAMETER, "The rectangle must be finite and have an area, got %s." % rect)
 	if name.is_empty() or not name.is_valid_filename():
-		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without characters such as / : ? *, got '%s'." % name)
+		return _fail(ERR_INVALID_PARAMETER, "The name must be a valid file name, without characters such as / : ? *, got '%s'." % name)
 	if scatter.get(&"ground") == null:
-		return _refuse(ERR_UNCONFIGURED, "%s has no ground: set TerrainScatter3D.ground." % scatter.name)
+		return _fail(ERR_UNCONFIGURED, "%s has no ground: set TerrainScatter3D.ground." % scatter.name)
 	var error := _list_tiles(layers)
 	if error != OK:
 		return error
 	error = DirAccess.make_dir_recursive_absolute(_folder + UNFINISHED)
 	if error != OK:
-		return _refuse(error, "Cannot create the folder %s: %s. Choose a writable folder." % [_folder, error_string(error)])
+		return _fail(error, "Cannot create the folder %s: %s. Choose a writable folder." % [_folder, error_string(error)])
 	_empty_unfinished()
 	_name = name
-	_running = true
+	_is_running = true
 	return OK
 
 
@@ -74,15 +74,15 @@ func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers :=
 ## scene and moves all files, regardless of how long that takes. Returns true while there is more to do. Returns false
 ## at the end, after [method cancel], or after an error, which sets [member problem].
 func step(msec: float) -> bool:
-	if not _running:
+	if not _is_running:
 		return false
 	var deadline := Time.get_ticks_usec() + int(msec * 1000.0)
-	while _next < _tiles.size():
-		if not _bake_tile(_tiles[_next]):
+	while _next_tile < _tiles.size():
+		if not _bake_tile(_tiles[_next_tile]):
 			cancel()
 			return false
-		_next += 1
-		progress = 0.99 * _next / _tiles.size()
+		_next_tile += 1
+		progress = 0.99 * _next_tile / _tiles.size()
 		if Time.get_ticks_usec() >= deadline:
 			return true
 	if _write_scene() and _move_all():
@@ -93,16 +93,16 @@ func step(msec: float) -> bool:
 
 ## Stops a bake in progress and removes its unfinished files. Has no effect if no bake is in progress.
 func cancel() -> void:
-	if not _running:
+	if not _is_running:
 		return
-	_running = false
+	_is_running = false
 	_empty_unfinished()
 	DirAccess.remove_absolute(_folder + UNFINISHED)
 	_nodes.clear()
 	_tiles.clear()
-	_written.clear()
+	_written_files.clear()
 	_mesh_files.clear()
-	_next = 0
+	_next_tile = 0
 	_scatter = null
 
 
@@ -111,8 +111,8 @@ func _empty_unfinished() -> void:
 		DirAccess.remove_absolute(_folder + UNFINISHED + file)
 
 
-func _refuse(error: Error, why: String) -> Error:
-	problem = why
+func _fail(error: Error, message: String) -> Error:
+	problem = message
 	return error
 
 
@@ -125,48 +125,48 @@ func _list_tiles(requested: Array) -> Error:
 	var layers: Array = _scatter.get(&"layers")
 	_tiles.clear()
 	var chosen: Array[Resource] = []
-	for one: Variant in requested:
-		var matching := layers.filter(func(layer: Resource) -> bool: return layer != null and (is_same(one, layer) or str(one) == layer.resource_name))
+	for requested_layer: Variant in requested:
+		var matching := layers.filter(func(layer: Resource) -> bool: return layer != null and (is_same(requested_layer, layer) or str(requested_layer) == layer.resource_name))
 		if matching.is_empty():
-			return _refuse(ERR_INVALID_PARAMETER, "layers contains %s, which is not a layer of %s: pass entries of TerrainScatter3D.layers, or their names." % [
-				one, _scatter.name])
+			return _fail(ERR_INVALID_PARAMETER, "layers contains %s, which is not a layer of %s: pass entries of TerrainScatter3D.layers, or their names." % [
+				requested_layer, _scatter.name])
 		chosen.append(matching[0])
 	for index in layers.size():
 		var layer: Resource = layers[index]
 		if layer == null or not (chosen.is_empty() or chosen.has(layer)):
 			continue
 		grid.set(&"tile_size", layer.get(&"tile_size"))
-		var touched: Rect2i = grid.call(&"get_tiles_in", bounds)
-		if not touched.has_area():
-			return _refuse(ERR_PARAMETER_RANGE_ERROR,
+		var covered_tiles: Rect2i = grid.call(&"get_tiles_in", bounds)
+		if not covered_tiles.has_area():
+			return _fail(ERR_PARAMETER_RANGE_ERROR,
 					"The rectangle %s is too far from the origin for the tiles of layer %d: increase its tile_size." % [_rect, index])
-		if touched.size.x * touched.size.y > MOST_TILES - _tiles.size():
-			return _refuse(ERR_PARAMETER_RANGE_ERROR,
+		if covered_tiles.size.x * covered_tiles.size.y > MOST_TILES - _tiles.size():
+			return _fail(ERR_PARAMETER_RANGE_ERROR,
 					"The rectangle %s has more than %d tiles: bake a smaller one, or increase the tile_size of the layers." % [_rect, MOST_TILES])
-		for y in range(touched.position.y, touched.end.y):
-			for x in range(touched.position.x, touched.end.x):
+		for y in range(covered_tiles.position.y, covered_tiles.end.y):
+			for x in range(covered_tiles.position.x, covered_tiles.end.x):
 				_tiles.append(Vector3i(index, x, y))
-	return OK if not _tiles.is_empty() else _refuse(ERR_UNCONFIGURED, "%s has no layer to bake: add one to TerrainScatter3D.layers." % _scatter.name)
+	return OK if not _tiles.is_empty() else _fail(ERR_UNCONFIGURED, "%s has no layer to bake: add one to TerrainScatter3D.layers." % _scatter.name)
 
 
 func _bake_tile(tile: Vector3i) -> bool:
 	var layer: Resource = _scatter.get(&"layers")[tile.x]
-	var built: RefCounted = _scatter.call(&"build_tile", layer, Vector2i(tile.y, tile.z), _rect)
-	if built.get_mesh_count() == 0:
+	var tile_instances: RefCounted = _scatter.call(&"build_tile", layer, Vector2i(tile.y, tile.z), _rect)
+	if tile_instances.get_mesh_count() == 0:
 		problem = "Layer %d cannot be baked. See the Output panel for details." % tile.x
 		return false
-	for mesh_index: int in built.get_mesh_count():
-		var buffer: PackedFloat32Array = built.get_buffer(mesh_index)
-		var mesh: Mesh = built.get_mesh(mesh_index)
+	for mesh_index: int in tile_instances.get_mesh_count():
+		var buffer: PackedFloat32Array = tile_instances.get_buffer(mesh_index)
+		var mesh: Mesh = tile_instances.get_mesh(mesh_index)
 		if buffer.is_empty() or mesh == null:
 			continue
 		var file := "%s_%s_%d_%d_%d.res" % [_name, _file_part(tile.x), mesh_index, tile.y, tile.z]
-		var ids: PackedInt64Array = built.get_ids(mesh_index)
+		var ids: PackedInt64Array = tile_instances.get_ids(mesh_index)
 		var multimesh := _multimesh(layer, buffer, ids.size(), _in_file(mesh, tile.x, mesh_index))
 		if multimesh == null or not _save(multimesh, file):
 			return false
 		instances += multimesh.instance_count
-		_nodes.append([layer, tile, built.get_origin(), multimesh])
+		_nodes.append([layer, tile, tile_instances.get_origin(), multimesh])
 	return true
 
 
@@ -218,7 +218,7 @@ func _save(resource: Resource, file: String) -> bool:
 	if error != OK:
 		problem = UNWRITABLE % [_folder + file, error_string(error)]
 		return false
-	_written.append(file)
+	_written_files.append(file)
 	return true
 
 
@@ -241,7 +241,7 @@ func _write_scene() -> bool:
 ## Moves all files to their final paths, the scene last. Removes files that an earlier bake wrote and the current one did not.
 func _move_all() -> bool:
 	var stale := _files_of_scene()
-	for file in _written:
+	for file in _written_files:
 		var error := DirAccess.rename_absolute(_folder + UNFINISHED + file, _folder + file)
 		if error != OK:
 			problem = UNWRITABLE % [_folder + file, error_string(error)]
@@ -251,7 +251,7 @@ func _move_all() -> bool:
 		var error := DirAccess.remove_absolute(_folder + file)
 		if error != OK:
 			push_warning("Cannot remove %s, a file of an earlier bake: %s. Delete it manually." % [_folder + file, error_string(error)])
-	for file in _written:
+	for file in _written_files:
 		if ResourceLoader.has_cached(_folder + file):
 			ResourceLoader.load(_folder + file, "", ResourceLoader.CACHE_MODE_REPLACE)
 	return true

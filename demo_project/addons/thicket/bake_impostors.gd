@@ -42,7 +42,7 @@ var replaced: Dictionary[String, Replaced] = {}
 var _layer: Resource
 var _meshes: Array[Mesh] = [] # The finest mesh of each of the layer's entries; null for entries that draw nothing.
 var _stem := ""
-var _running := false
+var _is_running := false
 
 
 ## Begins to bake the impostors of [param layer] into [param folder], which is created if it does not exist. File names begin with
@@ -58,16 +58,16 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 	baked = []
 	_layer = layer
 	if name.is_empty() or not name.is_valid_filename():
-		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without characters such as / : ? *, got '%s'." % name)
+		return _fail(ERR_INVALID_PARAMETER, "The name must be a valid file name, without characters such as / : ? *, got '%s'." % name)
 	_meshes.assign(range((layer.get(&"meshes") as Array).size()).map(_finest))
 	if not _meshes.any(func(mesh: Mesh) -> bool: return mesh != null):
-		return _refuse(ERR_UNCONFIGURED, "The layer has no mesh to bake: add one to ScatterLayer.meshes.")
+		return _fail(ERR_UNCONFIGURED, "The layer has no mesh to bake: add one to ScatterLayer.meshes.")
 	var error := DirAccess.make_dir_recursive_absolute(folder)
 	if error != OK:
-		return _refuse(error, "Cannot create the folder %s: %s. Choose a writable folder." % [folder, error_string(error)])
+		return _fail(error, "Cannot create the folder %s: %s. Choose a writable folder." % [folder, error_string(error)])
 	_stem = folder.path_join(name)
 	impostor.material_override = layer.get(&"material_override")
-	_running = true
+	_is_running = true
 	return _begin_next()
 
 
@@ -75,23 +75,23 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 ## another thread does the work. Returns true while there is more to do. Returns false at the end, after [method
 ## cancel], or after an error, which sets [member problem].
 func step() -> bool:
-	if not _running:
+	if not _is_running:
 		return false
 	progress = (baked.size() + impostor.get_progress()) / _meshes.size()
 	if impostor.is_baking():
 		return true
-	var finished := impostor.finish()
-	if finished == null:
+	var mesh := impostor.finish()
+	if mesh == null:
 		problem = impostor.problem
-		_running = false
+		_is_running = false
 		return false
-	baked.append(finished)
+	baked.append(mesh)
 	if _begin_next() != OK:
-		_running = false
+		_is_running = false
 		return false
 	if baked.size() < _meshes.size():
 		return true
-	_running = false
+	_is_running = false
 	if _save():
 		_set_lods()
 		progress = 1.0
@@ -100,9 +100,9 @@ func step() -> bool:
 
 ## Stops a bake in progress. Has no effect if none is in progress.
 func cancel() -> void:
-	if _running:
+	if _is_running:
 		impostor.cancel()
-		_running = false
+		_is_running = false
 
 
 ## Returns the mesh to bake for an entry of [member ScatterLayer.meshes], which is its finest LOD, or null if there is none.
@@ -112,8 +112,8 @@ func _finest(entry: int) -> Mesh:
 	return lod.get(&"mesh") if lod != null else null
 
 
-func _refuse(error: Error, why: String) -> Error:
-	problem = why
+func _fail(error: Error, message: String) -> Error:
+	problem = message
 	return error
 
 
@@ -125,7 +125,7 @@ func _begin_next() -> Error:
 		return OK
 	var error := impostor.begin([_meshes[baked.size()]])
 	warnings.append_array(impostor.warnings)
-	return OK if error == OK else _refuse(error, impostor.problem)
+	return OK if error == OK else _fail(error, impostor.problem)
 
 
 func _save() -> bool:
@@ -166,17 +166,17 @@ func _set_lods() -> void:
 			meshes[entry] = _with_impostor(meshes[entry], _lod(baked[entry], snappedf(distance, 1.0)))
 
 
-## Returns a model for [param entry], an entry of the layer's meshes, with [param far] as its last LOD.
-static func _with_impostor(entry: Resource, far: Resource) -> Resource:
+## Returns a copy of [param entry], an entry of the layer's meshes, as a model with [param far_lod] as its last LOD.
+static func _with_impostor(entry: Resource, far_lod: Resource) -> Resource:
 	var model: Resource = entry.duplicate() if entry.is_class("ScatterModel") else ClassDB.instantiate(&"ScatterModel")
 	if entry is PackedScene:
 		model.set(&"scene", entry)
 	elif entry is Mesh:
 		model.set(&"lods", _lods([_lod(entry as Mesh, 0.0)]))
-	var added := &"far_lods" if model.get(&"scene") != null else &"lods"
+	var list_name := &"far_lods" if model.get(&"scene") != null else &"lods"
 	for property: StringName in [&"lods", &"far_lods"]:
-		if property == &"far_lods" or added == &"lods":
-			model.set(property, _lods(_without_impostors(model.get(property)) + ([far] if property == added else [])))
+		if property == &"far_lods" or list_name == &"lods":
+			model.set(property, _lods(_without_impostors(model.get(property)) + ([far_lod] if property == list_name else [])))
 	return model
 
 

@@ -55,23 +55,23 @@ var world_offset := Vector3.ZERO:
 	set(value):
 		world_offset = value
 		_is_stale = true
-		for tile in _shown:
-			_shown[tile].position = _center_of(_numbers[tile])
+		for tile in _tile_nodes:
+			_tile_nodes[tile].position = _center_of(_tile_indices[tile])
 
 var _index: Index # The index of the world; null if there is none, or if it is invalid.
 var _models: Models
-var _numbers: Dictionary[Vector2i, int] = {} # The position of each tile in the arrays of the index.
-var _shown: Dictionary[Vector2i, Node3D] = {}
+var _tile_indices: Dictionary[Vector2i, int] = {} # Where each tile is in the arrays of the index.
+var _tile_nodes: Dictionary[Vector2i, Node3D] = {}
 var _loading: Dictionary[Vector2i, Tile] = {}
-var _failed: Dictionary[Vector2i, bool] = {}
-var _wanted: Array[Vector2i] = [] # Tiles that are neither shown nor being read, the nearest last.
-var _far: Array[Vector2i] = [] # Shown tiles that are too far away, and not yet removed.
+var _failed_tiles: Dictionary[Vector2i, bool] = {}
+var _missing_tiles: Array[Vector2i] = [] # Tiles in range that are neither shown nor being read, the nearest last.
+var _distant_tiles: Array[Vector2i] = [] # Shown tiles that are too far away, and not yet removed.
 # Most web builds have no threads.
 var _has_threads: bool = OS.has_feature("threads") and ProjectSettings.get_setting("threading/worker_pool/max_threads", -1) != 0
 # Without a display, the engine uses a dummy renderer, for which multimeshes must not be built on several threads.
 var _builds_on_threads: bool = _has_threads and DisplayServer.get_name() != "headless"
 var _is_stale := true
-var _checked_from := Vector2.INF # The viewer's world x and z when _wanted was last updated.
+var _last_viewer_xz := Vector2.INF # The viewer's world x and z when the lists of tiles were last updated.
 
 
 func _exit_tree() -> void:
@@ -92,39 +92,39 @@ func _process(_delta: float) -> void:
 	if from == null or _index == null:
 		return
 	var relative := from.global_position - global_position
-	var here := Vector2(relative.x + world_offset.x, relative.z + world_offset.z)
-	if _is_stale or here.distance_to(_checked_from) > _index.tile_size / 16.0:
-		_update_tiles(here)
+	var viewer_xz := Vector2(relative.x + world_offset.x, relative.z + world_offset.z)
+	if _is_stale or viewer_xz.distance_to(_last_viewer_xz) > _index.tile_size / 16.0:
+		_update_tile_lists(viewer_xz)
 	var deadline := Time.get_ticks_usec() + frame_budget_usec
-	_remove_far(deadline)
+	_remove_distant_tiles(deadline)
 	# Handlers of tile_freed may have changed the index.
 	if _index != null and _has_models(deadline):
-		_request()
-		_take(deadline)
+		_start_loading()
+		_add_loaded_tiles(deadline)
 
 
 ## Returns the tiles that are in the tree, in no particular order.
 func get_shown_tiles() -> Array[Vector2i]:
-	return _shown.keys()
+	return _tile_nodes.keys()
 
 
 ## Returns the root node of a tile, with a [MultiMeshInstance3D] for each layer and model, or null if the tile is not shown.
 func get_tile(tile: Vector2i) -> Node3D:
-	return _shown.get(tile)
+	return _tile_nodes.get(tile)
 
 
 ## Returns the number of instances in all tiles that are in the tree.
 func get_instance_count() -> int:
 	var sum := 0
-	for tile in _shown:
-		sum += _index.instances[_numbers[tile]]
+	for tile in _tile_nodes:
+		sum += _index.instances[_tile_indices[tile]]
 	return sum
 
 
 ## Returns true if all tiles within [member view_distance] are shown, except for those that cannot be loaded, and no tile is left to remove. Returns
 ## false if there is no valid [member index_file].
 func is_settled() -> bool:
-	return _index != null and not _is_stale and _wanted.is_empty() and _loading.is_empty() and _far.is_empty()
+	return _index != null and not _is_stale and _missing_tiles.is_empty() and _loading.is_empty() and _distant_tiles.is_empty()
 
 
 func _viewer() -> Node3D:
@@ -134,8 +134,8 @@ func _viewer() -> Node3D:
 
 
 func _read_index() -> void:
-	_numbers.clear()
-	_failed.clear()
+	_tile_indices.clear()
+	_failed_tiles.clear()
 	_index = null
 	if index_file.is_empty():
 		return
@@ -144,69 +144,69 @@ func _read_index() -> void:
 		push_error(UNUSABLE % [index_file, index.problem])
 		return
 	_index = index
-	for number in index.instances.size():
-		_numbers[Vector2i(index.tiles[2 * number], index.tiles[2 * number + 1])] = number
+	for tile_index in index.instances.size():
+		_tile_indices[Vector2i(index.tiles[2 * tile_index], index.tiles[2 * tile_index + 1])] = tile_index
 	world_offset = Vector3(index.world_offset[0], index.world_offset[1], index.world_offset[2])
 	_is_stale = true
 
 
 ## Returns the position of a tile's root, subtracting in double precision.
-func _center_of(number: int) -> Vector3:
+func _center_of(tile_index: int) -> Vector3:
 	return Vector3(
-		_index.centers[3 * number] - world_offset.x,
-		_index.centers[3 * number + 1] - world_offset.y,
-		_index.centers[3 * number + 2] - world_offset.z,
+		_index.centers[3 * tile_index] - world_offset.x,
+		_index.centers[3 * tile_index + 1] - world_offset.y,
+		_index.centers[3 * tile_index + 2] - world_offset.z,
 	)
 
 
 ## Returns the distance in meters from a position to the square of a tile.
-func _distance(tile: Vector2i, here: Vector2) -> float:
+func _distance(tile: Vector2i, viewer_xz: Vector2) -> float:
 	var lowest_corner := Vector2(tile) * _index.tile_size
-	return here.distance_to(here.clamp(lowest_corner, lowest_corner + Vector2.ONE * _index.tile_size))
+	return viewer_xz.distance_to(viewer_xz.clamp(lowest_corner, lowest_corner + Vector2.ONE * _index.tile_size))
 
 
-func _update_tiles(here: Vector2) -> void:
+func _update_tile_lists(viewer_xz: Vector2) -> void:
 	_is_stale = false
-	_checked_from = here
-	_far.clear()
-	for tile in _shown:
-		if _distance(tile, here) > view_distance + _index.tile_size / 4.0:
-			_far.append(tile)
-	_wanted.clear()
+	_last_viewer_xz = viewer_xz
+	_distant_tiles.clear()
+	for tile in _tile_nodes:
+		if _distance(tile, viewer_xz) > view_distance + _index.tile_size / 4.0:
+			_distant_tiles.append(tile)
+	_missing_tiles.clear()
 	var distances: Dictionary[Vector2i, float] = {}
-	for tile in _tiles_near(here):
-		if not (_shown.has(tile) or _loading.has(tile) or _failed.has(tile)):
-			distances[tile] = _distance(tile, here)
+	for tile in _tiles_near(viewer_xz):
+		if not (_tile_nodes.has(tile) or _loading.has(tile) or _failed_tiles.has(tile)):
+			distances[tile] = _distance(tile, viewer_xz)
 			if distances[tile] <= view_distance:
-				_wanted.append(tile)
-	_wanted.sort_custom(func(a: Vector2i, b: Vector2i) -> bool: return distances[a] > distances[b])
+				_missing_tiles.append(tile)
+	_missing_tiles.sort_custom(func(a: Vector2i, b: Vector2i) -> bool: return distances[a] > distances[b])
 
 
 ## Removes tiles that are too far away, until the deadline.
-func _remove_far(deadline: int) -> void:
-	while not _far.is_empty():
-		var tile: Vector2i = _far.pop_back()
-		var node := _shown[tile]
-		_shown.erase(tile)
+func _remove_distant_tiles(deadline: int) -> void:
+	while not _distant_tiles.is_empty():
+		var tile: Vector2i = _distant_tiles.pop_back()
+		var node := _tile_nodes[tile]
+		_tile_nodes.erase(tile)
 		node.free()
 		tile_freed.emit(tile)
 		if Time.get_ticks_usec() >= deadline:
 			return
 
 
-func _tiles_near(here: Vector2) -> Array[Vector2i]:
-	var lowest_corner := Vector2i(((here - Vector2.ONE * view_distance) / _index.tile_size).floor())
-	var greatest := Vector2i(((here + Vector2.ONE * view_distance) / _index.tile_size).floor())
-	var near: Array[Vector2i] = []
+func _tiles_near(viewer_xz: Vector2) -> Array[Vector2i]:
+	var lowest_corner := Vector2i(((viewer_xz - Vector2.ONE * view_distance) / _index.tile_size).floor())
+	var greatest := Vector2i(((viewer_xz + Vector2.ONE * view_distance) / _index.tile_size).floor())
+	var tiles: Array[Vector2i] = []
 	# Iterates over the smaller set: the squares in range, or all tiles of the index.
-	if float(greatest.x - lowest_corner.x + 1) * (greatest.y - lowest_corner.y + 1) > _numbers.size():
-		near.assign(_numbers.keys())
-		return near
+	if float(greatest.x - lowest_corner.x + 1) * (greatest.y - lowest_corner.y + 1) > _tile_indices.size():
+		tiles.assign(_tile_indices.keys())
+		return tiles
 	for z in range(lowest_corner.y, greatest.y + 1):
 		for x in range(lowest_corner.x, greatest.x + 1):
-			if _numbers.has(Vector2i(x, z)):
-				near.append(Vector2i(x, z))
-	return near
+			if _tile_indices.has(Vector2i(x, z)):
+				tiles.append(Vector2i(x, z))
+	return tiles
 
 
 ## Continues to load the meshes and materials that tiles need, until the deadline. Returns true once all are loaded.
@@ -216,37 +216,37 @@ func _has_models(deadline: int) -> bool:
 	return _models.load_step(deadline)
 
 
-func _request() -> void:
-	while not _wanted.is_empty() and _loading.size() < MOST_LOADING:
-		var wanted: Vector2i = _wanted.pop_back()
-		var tile := Tile.new(_index, _numbers[wanted], _models.meshes, _models.materials)
+func _start_loading() -> void:
+	while not _missing_tiles.is_empty() and _loading.size() < MOST_LOADING:
+		var tile: Vector2i = _missing_tiles.pop_back()
+		var loading_tile := Tile.new(_index, _tile_indices[tile], _models.meshes, _models.materials)
 		if _has_threads:
-			tile.task = WorkerThreadPool.add_task(tile.run if _builds_on_threads else tile.read, false, "Read a tile of a ScatterBakedWorld")
-		_loading[wanted] = tile
+			loading_tile.task = WorkerThreadPool.add_task(loading_tile.run if _builds_on_threads else loading_tile.read, false, "Read a tile of a ScatterBakedWorld")
+		_loading[tile] = loading_tile
 
 
-func _take(deadline: int) -> void:
-	for at: Vector2i in _loading.keys():
+func _add_loaded_tiles(deadline: int) -> void:
+	for tile: Vector2i in _loading.keys():
 		# A signal handler may have dropped all tiles.
-		if not _loading.has(at):
+		if not _loading.has(tile):
 			return
-		var tile := _loading[at]
-		if _has_threads and not WorkerThreadPool.is_task_completed(tile.task):
+		var loading_tile := _loading[tile]
+		if _has_threads and not WorkerThreadPool.is_task_completed(loading_tile.task):
 			continue
-		_loading.erase(at)
-		_finish(tile)
-		if tile.node == null:
-			_fail(at, tile.problem)
-		elif _distance(at, _checked_from) <= view_distance + _index.tile_size / 4.0:
-			_show(at, tile)
+		_loading.erase(tile)
+		_finish_loading(loading_tile)
+		if loading_tile.node == null:
+			_report_failure(tile, loading_tile.problem)
+		elif _distance(tile, _last_viewer_xz) <= view_distance + _index.tile_size / 4.0:
+			_show_tile(tile, loading_tile)
 		else:
-			tile.drop()
+			loading_tile.drop()
 		if Time.get_ticks_usec() >= deadline:
 			return
 
 
 ## Waits until a tile's thread task has ended. Runs the steps that cannot run on other threads on this thread.
-func _finish(tile: Tile) -> void:
+func _finish_loading(tile: Tile) -> void:
 	if _has_threads:
 		WorkerThreadPool.wait_for_task_completion(tile.task)
 	else:
@@ -255,38 +255,38 @@ func _finish(tile: Tile) -> void:
 		tile.build()
 
 
-func _show(at: Vector2i, tile: Tile) -> void:
-	var center := _center_of(_numbers[at])
+func _show_tile(tile: Vector2i, loaded_tile: Tile) -> void:
+	var center := _center_of(_tile_indices[tile])
 	if not center.is_finite():
-		tile.drop()
-		_fail(at, "its center is %s, which must be finite" % center)
+		loaded_tile.drop()
+		_report_failure(tile, "its center is %s, which must be finite" % center)
 		return
-	tile.node.position = center
-	_shown[at] = tile.node
-	add_child(tile.node)
-	tile_shown.emit(at)
+	loaded_tile.node.position = center
+	_tile_nodes[tile] = loaded_tile.node
+	add_child(loaded_tile.node)
+	tile_shown.emit(tile)
 
 
-func _fail(tile: Vector2i, why: String) -> void:
-	_failed[tile] = true
-	push_error("ScatterBakedWorld: the tile %s cannot be shown: %s. Export the bake again." % [tile, why])
+func _report_failure(tile: Vector2i, message: String) -> void:
+	_failed_tiles[tile] = true
+	push_error("ScatterBakedWorld: tile %s cannot be shown: %s. Export the bake again." % [tile, message])
 	tile_failed.emit(tile)
 
 
 func _drop_all() -> void:
 	var loading := _loading
 	_loading = {}
-	for at in loading:
-		loading[at].is_cancelled = true
-	for at in loading:
+	for tile in loading:
+		loading[tile].is_cancelled = true
+	for tile in loading:
 		if _has_threads:
-			WorkerThreadPool.wait_for_task_completion(loading[at].task)
-		loading[at].drop()
-	for tile in _shown:
-		_shown[tile].queue_free()
+			WorkerThreadPool.wait_for_task_completion(loading[tile].task)
+		loading[tile].drop()
+	for tile in _tile_nodes:
+		_tile_nodes[tile].queue_free()
 	if _models != null:
 		_models.drop()
 	_models = null
-	_shown.clear()
-	_wanted.clear()
-	_far.clear()
+	_tile_nodes.clear()
+	_missing_tiles.clear()
+	_distant_tiles.clear()

@@ -54,82 +54,83 @@ static func digest_in(content: PackedByteArray) -> PackedByteArray:
 func read(path: String) -> bool:
 	var file := FileAccess.open(path, FileAccess.READ)
 	if file == null:
-		return _refuse("it cannot be opened (%s)" % error_string(FileAccess.get_open_error()))
+		return _fail("it cannot be opened (%s)" % error_string(FileAccess.get_open_error()))
 	var length := file.get_length()
 	if length < _START or length > MOST_BYTES:
-		return _refuse("it must have %d to %d bytes, got %d" % [_START, MOST_BYTES, length])
+		return _fail("it must have %d to %d bytes, got %d" % [_START, MOST_BYTES, length])
 	var bytes := file.get_buffer(length)
 	if bytes.size() != length or bytes.slice(0, 4) != MAGIC.to_ascii_buffer():
-		return _refuse("it is not a file of a baked world")
+		return _fail("it is not a file of a baked world")
 	if bytes.decode_u32(4) != VERSION:
-		return _refuse("its version must be %d, got %d" % [VERSION, bytes.decode_u32(4)])
+		return _fail("its version must be %d, got %d" % [VERSION, bytes.decode_u32(4)])
 	digest = _sha256(bytes, _HASHED_FROM)
 	if digest_in(bytes) != digest:
-		return _refuse("it is damaged: its SHA-256 must be %s, got %s" % [digest_in(bytes).hex_encode(), digest.hex_encode()])
+		return _fail("it is damaged: its SHA-256 must be %s, got %s" % [digest_in(bytes).hex_encode(), digest.hex_encode()])
 	return _unpack(bytes)
 
 
 func _unpack(bytes: PackedByteArray) -> bool:
 	var text_length := bytes.decode_u32(40)
-	var size := bytes.decode_u32(44)
-	if text_length > bytes.size() - _START or size > MOST_BYTES:
-		return _refuse("its parts must fit into the file and unpack to %d bytes at most, got %d and %d" % [MOST_BYTES, text_length, size])
+	var payload_size := bytes.decode_u32(44)
+	if text_length > bytes.size() - _START or payload_size > MOST_BYTES:
+		return _fail("its header must fit into the file, and its payload must unpack to at most %d bytes, got %d and %d bytes" % [
+			MOST_BYTES, text_length, payload_size])
 	var json := JSON.new()
 	if json.parse(bytes.slice(_START, _START + text_length).get_string_from_utf8()) != OK or not json.data is Dictionary:
-		return _refuse("its header must be a JSON object")
+		return _fail("its header must be a JSON object")
 	header = json.data
-	if size > 0:
-		payload = bytes.slice(_START + text_length).decompress(size, FileAccess.COMPRESSION_ZSTD)
-	return payload.size() == size or _refuse("its bytes must unpack to %d, got %d" % [size, payload.size()])
+	if payload_size > 0:
+		payload = bytes.slice(_START + text_length).decompress(payload_size, FileAccess.COMPRESSION_ZSTD)
+	return payload.size() == payload_size or _fail("its payload must unpack to %d bytes, got %d" % [payload_size, payload.size()])
 
 
 ## Returns a field that must be a finite number from [param least] to [param most]. Otherwise, sets [member problem] and returns [param least].
-func number(of: Dictionary, field: String, least: float, most: float) -> float:
-	var value: Variant = of.get(field)
+func number(object: Dictionary, field: String, least: float, most: float) -> float:
+	var value: Variant = object.get(field)
 	if _is_number(value) and value >= least and value <= most:
 		return value
-	_refuse("%s must be a number from %s to %s, got %s" % [field, String.num(least), String.num(most), _shown(value)])
+	_fail("%s must be a number from %s to %s, got %s" % [field, String.num(least), String.num(most), _as_text(value)])
 	return least
 
 
 ## Returns a field that must be an integer from [param least] to [param most]. Otherwise, sets [member problem] and returns an integer in this range.
-func whole(of: Dictionary, field: String, least: int, most: int) -> int:
-	var value := number(of, field, least, most)
+func whole(object: Dictionary, field: String, least: int, most: int) -> int:
+	var value := number(object, field, least, most)
 	if value != floorf(value):
-		_refuse("%s must be a whole number, got %s" % [field, String.num(value)])
+		_fail("%s must be a whole number, got %s" % [field, String.num(value)])
 	return int(value)
 
 
 ## Returns a field that must be a string of at most [constant MOST_CHARACTERS]. Otherwise, sets [member problem] and returns an empty string.
-func text(of: Dictionary, field: String) -> String:
-	var value: Variant = of.get(field)
+func text(object: Dictionary, field: String) -> String:
+	var value: Variant = object.get(field)
 	if value is String and (value as String).length() <= MOST_CHARACTERS:
 		return value
-	_refuse("%s must be a string of at most %d characters, got %s" % [field, MOST_CHARACTERS, _shown(value)])
+	_fail("%s must be a string of at most %d characters, got %s" % [field, MOST_CHARACTERS, _as_text(value)])
 	return ""
 
 
 ## Returns a field that must be true or false. Otherwise, sets [member problem] and returns false.
-func flag(of: Dictionary, field: String) -> bool:
-	var value: Variant = of.get(field)
-	return value if value is bool else _refuse("%s must be true or false, got %s" % [field, _shown(value)])
+func flag(object: Dictionary, field: String) -> bool:
+	var value: Variant = object.get(field)
+	return value if value is bool else _fail("%s must be true or false, got %s" % [field, _as_text(value)])
 
 
 ## Returns a field that must be an array whose elements all have this type. Otherwise, sets [member problem] and returns an empty array.
-func list(of: Dictionary, field: String, type: Variant.Type) -> Array:
-	var value: Variant = of.get(field)
+func list(object: Dictionary, field: String, type: Variant.Type) -> Array:
+	var value: Variant = object.get(field)
 	if value is Array and (value as Array).all(func(element: Variant) -> bool: return typeof(element) == type):
 		return value
-	_refuse("%s must be an array with elements of type %s, got %s" % [field, type_string(type), _shown(value)])
+	_fail("%s must be an array with elements of type %s, got %s" % [field, type_string(type), _as_text(value)])
 	return []
 
 
 ## Returns a field that must be an array of [param count] finite numbers. Otherwise, sets [member problem] and returns zeros.
-func numbers(of: Dictionary, field: String, count: int) -> PackedFloat64Array:
-	var value: Variant = of.get(field)
+func numbers(object: Dictionary, field: String, count: int) -> PackedFloat64Array:
+	var value: Variant = object.get(field)
 	if value is Array and (value as Array).size() == count and (value as Array).all(_is_number):
 		return PackedFloat64Array(value as Array)
-	_refuse("%s must have %d finite numbers, got %s" % [field, count, _shown(value)])
+	_fail("%s must have %d finite numbers, got %s" % [field, count, _as_text(value)])
 	var zeros := PackedFloat64Array()
 	zeros.resize(count)
 	return zeros
@@ -139,7 +140,7 @@ static func _is_number(value: Variant) -> bool:
 	return (value is float or value is int) and is_finite(value)
 
 
-static func _shown(value: Variant) -> String:
+static func _as_text(value: Variant) -> String:
 	return JSON.stringify(value).left(80)
 
 
@@ -153,6 +154,6 @@ static func _sha256(bytes: PackedByteArray, from: int) -> PackedByteArray:
 
 
 ## Sets [member problem], unless an earlier one is set, and returns false.
-func _refuse(why: String) -> bool:
-	problem = problem if problem else why
+func _fail(message: String) -> bool:
+	problem = problem if problem else message
 	return false

@@ -41,7 +41,7 @@ func read(from: String) -> bool:
 	path = from
 	var file := BakedFile.new()
 	if file.read(from):
-		_take(file)
+		_read_content(file)
 	problem = file.problem if file.problem else problem
 	return problem.is_empty()
 
@@ -53,8 +53,8 @@ func packed() -> PackedByteArray:
 		"layer_names": layer_names, "meshes": meshes, "materials": materials,
 	}
 	var payload := tiles.to_byte_array()
-	for part: PackedByteArray in [instances.to_byte_array(), centers.to_byte_array(), digests]:
-		payload.append_array(part)
+	for bytes: PackedByteArray in [instances.to_byte_array(), centers.to_byte_array(), digests]:
+		payload.append_array(bytes)
 	return BakedFile.packed(header, payload)
 
 
@@ -63,12 +63,12 @@ func tile_path(tile: Vector2i) -> String:
 	return "%s/tiles/tile_%d_%d.%s" % [path.get_base_dir(), tile.x, tile.y, BakedFile.EXTENSION]
 
 
-## Returns the SHA-256 that the file of the tile with this number must have.
-func digest_of(number: int) -> PackedByteArray:
-	return digests.slice(number * _DIGEST_BYTES, (number + 1) * _DIGEST_BYTES)
+## Returns the SHA-256 that the file of the tile at this index must have.
+func digest_of(index: int) -> PackedByteArray:
+	return digests.slice(index * _DIGEST_BYTES, (index + 1) * _DIGEST_BYTES)
 
 
-func _take(file: BakedFile) -> void:
+func _read_content(file: BakedFile) -> void:
 	var header := file.header
 	if file.text(header, "kind") != "index":
 		problem = "it is not an index of a baked world"

@@ -15,7 +15,7 @@ const MOST_METERS := 1e9
 
 ## The tile's root node, without a parent. Null before [method build], and if there is a [member problem].
 var node: Node3D
-## The reason why [member node] cannot be built; empty if there is none.
+## The error that prevents building [member node]; empty if there is none.
 var problem := ""
 ## The task of the engine's thread pool that reads this tile; -1 if the engine has no threads.
 var task := -1
@@ -32,14 +32,14 @@ var _meshes: Array[Mesh]
 var _materials: Array[Material]
 
 
-## Prepares to read the tile with this number in an index. The tile's file refers to meshes and materials by their indices in [param meshes] and
+## Prepares to read the tile at [param tile_index] in the lists of [param index]. The tile's file refers to meshes and materials by their indices in [param meshes] and
 ## [param materials]. An entry is null if it could not be loaded.
-func _init(index: Index, number: int, meshes: Array[Mesh], materials: Array[Material]) -> void:
-	_tile = Vector2i(index.tiles[2 * number], index.tiles[2 * number + 1])
+func _init(index: Index, tile_index: int, meshes: Array[Mesh], materials: Array[Material]) -> void:
+	_tile = Vector2i(index.tiles[2 * tile_index], index.tiles[2 * tile_index + 1])
 	_path = index.tile_path(_tile)
-	_instances = index.instances[number]
+	_instances = index.instances[tile_index]
 	_scene_digest = index.scene_digest
-	_digest = index.digest_of(number)
+	_digest = index.digest_of(tile_index)
 	_meshes = meshes
 	_materials = materials
 
@@ -88,46 +88,46 @@ func _add_all() -> void:
 	var entries := file.list(header, "nodes", TYPE_DICTIONARY)
 	if entries.size() > MOST_NODES:
 		file.problem = "nodes must have %d entries at most, got %d" % [MOST_NODES, entries.size()]
-	var left := BakedFile.MOST_BYTES # Nodes may share bytes of the payload, so all nodes together could need far more memory than the file.
+	var remaining_bytes := BakedFile.MOST_BYTES # Nodes may share bytes of the payload, so all nodes together could need far more memory than the file.
 	for entry: Dictionary in entries:
 		if file.problem or is_cancelled:
 			return
-		left -= _add(file, entry, left)
+		remaining_bytes -= _add(file, entry, remaining_bytes)
 
 
-## Adds the node of an entry. Returns the size of its buffer in bytes, which is at most [param most], or 0 if no node was added.
-func _add(file: BakedFile, entry: Dictionary, most: int) -> int:
+## Adds the node of an entry. Returns the size of its buffer in bytes, which is at most [param max_bytes], or 0 if no node was added.
+func _add(file: BakedFile, entry: Dictionary, max_bytes: int) -> int:
 	var colors := file.flag(entry, "use_colors")
-	var custom := file.flag(entry, "use_custom_data")
-	var stride := 4 * (12 + 4 * int(colors) + 4 * int(custom))
-	var count := file.whole(entry, "count", 0, mini(most, file.payload.size()) / stride)
+	var custom_data := file.flag(entry, "use_custom_data")
+	var stride := 4 * (12 + 4 * int(colors) + 4 * int(custom_data))
+	var count := file.whole(entry, "count", 0, mini(max_bytes, file.payload.size()) / stride)
 	var from := file.whole(entry, "from", 0, file.payload.size() - count * stride)
 	var mesh := file.whole(entry, "mesh", 0, _meshes.size() - 1)
 	var material := file.whole(entry, "material", -1, _materials.size() - 1)
 	var name := file.text(entry, "name")
-	var drawn := MultiMeshInstance3D.new()
-	drawn.name = name if name else "Instances"
-	drawn.cast_shadow = file.whole(entry, "cast_shadow", 0, 3) as GeometryInstance3D.ShadowCastingSetting
-	drawn.layers = file.whole(entry, "render_layers", 0, 0xffffffff)
-	drawn.visibility_range_begin = file.number(entry, "begin", 0.0, MOST_METERS)
-	drawn.visibility_range_end = file.number(entry, "end", 0.0, MOST_METERS)
+	var instance := MultiMeshInstance3D.new()
+	instance.name = name if name else "Instances"
+	instance.cast_shadow = file.whole(entry, "cast_shadow", 0, 3) as GeometryInstance3D.ShadowCastingSetting
+	instance.layers = file.whole(entry, "render_layers", 0, 0xffffffff)
+	instance.visibility_range_begin = file.number(entry, "begin", 0.0, MOST_METERS)
+	instance.visibility_range_end = file.number(entry, "end", 0.0, MOST_METERS)
 	var box := file.numbers(entry, "box", 6) if entry.get("box") != null else PackedFloat64Array()
 	if file.problem or _meshes[mesh] == null: # A missing mesh was already reported when it was loaded.
-		drawn.free()
+		instance.free()
 		return 0
 	var multimesh := MultiMesh.new()
 	multimesh.transform_format = MultiMesh.TRANSFORM_3D
 	multimesh.use_colors = colors
-	multimesh.use_custom_data = custom
+	multimesh.use_custom_data = custom_data
 	# The mesh is set before the buffer. Otherwise the renderer would read the buffer back to compute the bounding box of the instances.
 	multimesh.mesh = _meshes[mesh]
 	multimesh.instance_count = count
 	if count > 0:
 		multimesh.buffer = file.payload.slice(from, from + count * stride).to_float32_array()
-	drawn.multimesh = multimesh
+	instance.multimesh = multimesh
 	if material >= 0:
-		drawn.material_override = _materials[material]
+		instance.material_override = _materials[material]
 	if not box.is_empty():
-		drawn.custom_aabb = AABB(Vector3(box[0], box[1], box[2]), Vector3(box[3], box[4], box[5]))
-	node.add_child(drawn, true)
+		instance.custom_aabb = AABB(Vector3(box[0], box[1], box[2]), Vector3(box[3], box[4], box[5]))
+	node.add_child(instance, true)
 	return count * stride

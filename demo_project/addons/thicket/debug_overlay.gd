@@ -29,8 +29,8 @@ const REACH := 1000.0
 var lines := PackedStringArray()
 
 var _canvas := Control.new()
-var _why := WhyRows.new()
-var _since := INF
+var _explanation := WhyRows.new()
+var _elapsed := INF # The time since the last update, in seconds.
 
 
 func _init() -> void:
@@ -54,16 +54,16 @@ func _input(event: InputEvent) -> void:
 
 
 func _process(delta: float) -> void:
-	_since += delta
-	if _since >= INTERVAL:
-		_since = 0.0
+	_elapsed += delta
+	if _elapsed >= INTERVAL:
+		_elapsed = 0.0
 		update()
 
 
 ## Updates all values, even if the overlay is hidden.
 func update() -> void:
 	lines.clear()
-	_why.rows.clear()
+	_explanation.rows.clear()
 	lines.append("%d fps, %d draw calls of all nodes" % [
 		Engine.get_frames_per_second(), RenderingServer.get_rendering_info(RenderingServer.RENDERING_INFO_TOTAL_DRAW_CALLS_IN_FRAME)])
 	if not LibraryGate.is_open():
@@ -79,16 +79,16 @@ func update() -> void:
 func _add_scatter(scatter: Node3D) -> void:
 	var stats: Dictionary = scatter.call(&"get_stats")
 	var camera := get_viewport().get_camera_3d()
-	var drawn: Dictionary = scatter.call(&"get_draw_stats", camera)
+	var draw_stats: Dictionary = scatter.call(&"get_draw_stats", camera)
 	var in_work: int = stats.waiting + stats.pending + stats.uploading
 	lines.append("")
 	lines.append("%s: %.2f ms on the main thread%s" % [scatter.name, stats.frame_usec / 1000.0, "" if scatter.is_visible_in_tree() else ", hidden"])
-	lines.append("  %s instances in %d tiles, %d tiles pending" % [NumberText.grouped(stats.instances), stats.tiles, in_work])
-	lines.append("  in view: %s instances, %s triangles, %d draw calls" % [NumberText.grouped(drawn.instances), NumberText.grouped(drawn.triangles), drawn.draw_calls])
+	lines.append("  %s instances in %d tiles; %d tiles pending" % [NumberText.grouped(stats.instances), stats.tiles, in_work])
+	lines.append("  in view: %s instances, %s triangles, %d draw calls" % [NumberText.grouped(draw_stats.instances), NumberText.grouped(draw_stats.triangles), draw_stats.draw_calls])
 	lines.append("  %d bodies, %d scenes, %.1f MiB" % [stats.bodies, stats.scenes, stats.instance_bytes / 1048576.0])
-	for each in LibraryGate.layers_of(scatter):
-		if each:
-			lines.append("    %s  %s" % [NumberText.grouped(scatter.call(&"get_shown_count", each)).lpad(9), each.resource_name])
+	for scatter_layer in LibraryGate.layers_of(scatter):
+		if scatter_layer:
+			lines.append("    %s  %s" % [NumberText.grouped(scatter.call(&"get_shown_count", scatter_layer)).lpad(9), scatter_layer.resource_name])
 
 
 ## Explains the first position on the ground along the view direction and names the first instance in front of it.
@@ -97,23 +97,23 @@ func _explain(scatters: Array[Node]) -> void:
 	if camera == null:
 		return
 	var from := camera.global_position
-	var toward := -camera.global_basis.z
+	var direction := -camera.global_basis.z
 	var nearest := REACH
 	for scatter in scatters:
-		var on_ground := GroundRay.first(scatter as Node3D, from, toward)
+		var on_ground := GroundRay.first(scatter as Node3D, from, direction)
 		if on_ground.is_empty() or on_ground[0].distance_to(from) >= nearest:
 			continue
 		var hit := on_ground[0]
 		nearest = hit.distance_to(from)
-		_why.fill(scatter.call(&"explain_position", hit), null)
-		var met: Variant = scatter.call(&"query_ray", from, hit)
-		if met != null:
-			_why.rows.push_front([WhyRows.PLAIN, "%s, ID %d, at %.1f m" % [met.layer.resource_name, met.id, met.distance]])
+		_explanation.fill(scatter.call(&"explain_position", hit), null)
+		var instance: Variant = scatter.call(&"query_ray", from, hit)
+		if instance != null:
+			_explanation.rows.push_front([WhyRows.TEXT_COLOR, "%s, ID %d, at %.1f m" % [instance.layer.resource_name, instance.id, instance.distance]])
 
 
 func _on_visibility_changed() -> void:
 	set_process(visible)
-	_since = INF
+	_elapsed = INF
 
 
 func _draw_all() -> void:
@@ -122,10 +122,10 @@ func _draw_all() -> void:
 	var text := "\n".join(lines)
 	var extent := font.get_multiline_string_size(text, HORIZONTAL_ALIGNMENT_LEFT, -1, size)
 	_canvas.draw_rect(Rect2(Vector2(MARGIN, MARGIN), extent + Vector2(20.0, 16.0)), BACKGROUND)
-	var at := Vector2(MARGIN + 10.0, MARGIN + 8.0 + font.get_ascent(size))
-	_canvas.draw_multiline_string(font, at, text, HORIZONTAL_ALIGNMENT_LEFT, -1, size, -1, TEXT)
-	if not _why.rows.is_empty():
+	var text_position := Vector2(MARGIN + 10.0, MARGIN + 8.0 + font.get_ascent(size))
+	_canvas.draw_multiline_string(font, text_position, text, HORIZONTAL_ALIGNMENT_LEFT, -1, size, -1, TEXT)
+	if not _explanation.rows.is_empty():
 		var middle := _canvas.size * 0.5
 		for axis: Vector2 in [Vector2(8.0, 0.0), Vector2(0.0, 8.0)]:
 			_canvas.draw_line(middle - axis, middle + axis, TEXT, 1.0)
-		_why.draw(_canvas, middle, false)
+		_explanation.draw(_canvas, middle, false)

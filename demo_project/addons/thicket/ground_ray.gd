@@ -17,19 +17,19 @@ const TOLERANCE := 0.05
 ## may have several levels, and a planet has ground on all sides. Other ground has one height at each x and z. [param direction] must have a length of 1.
 static func first(scatter: Node3D, from: Vector3, direction: Vector3) -> PackedVector3Array:
 	var nearest := PackedVector3Array()
-	var all := parts(scatter.get(&"ground") as Resource)
-	if all.any(is_meshes):
+	var grounds := parts(scatter.get(&"ground") as Resource)
+	if grounds.any(is_meshes):
 		nearest = scatter.call(&"_hit_surface", from, from + direction * REACH)
 	# Meshes whose triangles are inside out have no fronts, but heights.
 	var has_heights := nearest.is_empty() and (scatter.call(&"_get_planet") as PackedFloat64Array).is_empty()
-	for ground in all:
+	for ground in grounds:
 		if is_meshes(ground) and not has_heights:
 			continue
-		var met := hit(ground, from, direction)
+		var position := hit(ground, from, direction)
 		# At a vertical step, the ray enters the space below the upper height without meeting ground.
-		if met.is_finite() and absf(_above(ground, met)) < TOLERANCE:
-			if nearest.is_empty() or from.distance_squared_to(met) < from.distance_squared_to(nearest[0]):
-				nearest = PackedVector3Array([met, ground.call(&"get_normal", met)])
+		if position.is_finite() and absf(_height_above(ground, position)) < TOLERANCE:
+			if nearest.is_empty() or from.distance_squared_to(position) < from.distance_squared_to(nearest[0]):
+				nearest = PackedVector3Array([position, ground.call(&"get_normal", position)])
 	return nearest
 
 
@@ -37,8 +37,8 @@ static func first(scatter: Node3D, from: Vector3, direction: Vector3) -> PackedV
 static func parts(combined: Resource) -> Array[Resource]:
 	var result: Array[Resource] = []
 	if combined != null and combined.is_class("ScatterGroundCombined"):
-		for part: Resource in combined.get(&"grounds"):
-			result.append_array(parts(part))
+		for ground: Resource in combined.get(&"grounds"):
+			result.append_array(parts(ground))
 	elif combined != null:
 		result.append(combined)
 	return result
@@ -55,19 +55,19 @@ static func is_meshes(ground: Resource) -> bool:
 ## miss a ridge only if it grazes the ridge and the ground there is steeper than 60 degrees. A call queries the ground
 ## several hundred times.
 static func hit(ground: Resource, from: Vector3, direction: Vector3) -> Vector3:
-	var at := 0.0
-	var last := NAN
-	var last_at := 0.0
+	var traveled := 0.0
+	var last_height := NAN
+	var last_traveled := 0.0
 	for step in MOST_STEPS:
-		var above := _above(ground, from + direction * at)
-		if last > 0.0 and above <= 0.0:
-			return _refine(ground, from, direction, last_at, at)
-		last = above
-		last_at = at
+		var height := _height_above(ground, from + direction * traveled)
+		if last_height > 0.0 and height <= 0.0:
+			return _refine(ground, from, direction, last_traveled, traveled)
+		last_height = height
+		last_traveled = traveled
 		# Above a hole, the height is unknown. The step then grows with the distance, because small steps matter more near the camera.
-		var stride := 0.5 * absf(above) if not is_nan(above) else 0.02 * at
-		at += clampf(stride, maxf(SHORTEST, 0.001 * at), LONGEST)
-		if at > REACH:
+		var stride := 0.5 * absf(height) if not is_nan(height) else 0.02 * traveled
+		traveled += clampf(stride, maxf(SHORTEST, 0.001 * traveled), LONGEST)
+		if traveled > REACH:
 			break
 	return Vector3.INF
 
@@ -78,15 +78,15 @@ static func distance(ground: Resource, from: Vector3, direction: Vector3) -> flo
 	return minf(position.distance_to(from), 1000.0) if position.is_finite() else 100.0
 
 
-static func _above(ground: Resource, position: Vector3) -> float:
+static func _height_above(ground: Resource, position: Vector3) -> float:
 	return position.y - float(ground.call(&"get_height", position))
 
 
-static func _refine(ground: Resource, from: Vector3, direction: Vector3, above_at: float, below_at: float) -> Vector3:
+static func _refine(ground: Resource, from: Vector3, direction: Vector3, distance_above: float, distance_below: float) -> Vector3:
 	for halving in HALVINGS:
-		var middle := 0.5 * (above_at + below_at)
-		if _above(ground, from + direction * middle) > 0.0:
-			above_at = middle
+		var middle := 0.5 * (distance_above + distance_below)
+		if _height_above(ground, from + direction * middle) > 0.0:
+			distance_above = middle
 		else:
-			below_at = middle
-	return from + direction * below_at
+			distance_below = middle
+	return from + direction * distance_below

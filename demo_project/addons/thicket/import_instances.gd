@@ -28,7 +28,7 @@ const LEAST_RADIUS := 2.0
 class Batch:
 	var mesh: Resource ## The mesh or scene to place; null for the first mesh of the target layer.
 	var name := ""
-	var look: Dictionary[StringName, Variant] = {} ## The values of the layer properties with which the instances are drawn.
+	var appearance: Dictionary[StringName, Variant] = {} ## The values of the layer properties with which the instances are drawn.
 	var transforms := PackedFloat32Array()
 
 	func size() -> int:
@@ -50,17 +50,17 @@ class Reading:
 	## Returns the batch for a mesh with these layer properties, adding it if necessary.
 	func batch_of(mesh: Resource, name: String, appearance: Dictionary[StringName, Variant]) -> Batch:
 		for batch in batches:
-			if batch.mesh == mesh and batch.look == appearance:
+			if batch.mesh == mesh and batch.appearance == appearance:
 				return batch
 		var batch := Batch.new()
 		batch.mesh = mesh
 		batch.name = name
-		batch.look = appearance
+		batch.appearance = appearance
 		batches.append(batch)
 		return batch
 
 
-## Imports the instances of a node and of all nodes below it into [param layer], a [ScatterLayer] or its name. Instances whose mesh the layer does not
+## Imports the instances of a node and of all its descendants into [param layer], a [ScatterLayer] or its name. Instances whose mesh the layer does not
 ## have get its first mesh. If [param layer] is [code]null[/code], the instances of each mesh are added to the layer that has the mesh and the same
 ## material override. If there is none, a new layer is created. Returns the number of placed instances. On failure, prints errors and returns 0.
 static func from_node(scatter: Node3D, layer: Variant, node: Node) -> int:
@@ -73,13 +73,13 @@ static func from_csv(scatter: Node3D, layer: Variant, path: String) -> int:
 	return _import(scatter, layer, read_csv(path))
 
 
-## Returns the instances of a node and of all nodes below it. Errors are in [member Reading.problems].
+## Returns the instances of a node and of all its descendants. Errors are in [member Reading.problems].
 static func read_node(node: Node) -> Reading:
 	var reading := Reading.new()
 	if node == null:
 		reading.problems.append("There is no node to import from: node is null.")
 		return reading
-	_read_below(node, reading)
+	_read_tree(node, reading)
 	reading.batches = reading.batches.filter(func(batch: Batch) -> bool: return batch.size() > 0)
 	if reading.size() == 0 and reading.problems.is_empty():
 		reading.problems.append(("%s has no instances: it has no MultiMeshInstance3D, no output of ProtonScatter and no Terrain3D. "
@@ -108,24 +108,24 @@ static func read_csv(path: String) -> Reading:
 ## Places the instances that were read and adds missing layers. Returns the IDs of the instances. On an error, leaves
 ## the scatter unchanged and returns no IDs.
 static func place(scatter: Node3D, layer: Variant, reading: Reading) -> PackedInt64Array:
-	var before: Array = scatter.get(&"layers")
-	var layers := before.duplicate()
-	var chosen: Array[Variant] = []
+	var old_layers: Array = scatter.get(&"layers")
+	var layers := old_layers.duplicate()
+	var targets: Array[Variant] = []
 	for batch in reading.batches:
-		chosen.append(layer if layer != null else _layer_for(batch, layers))
-	if layers != before:
+		targets.append(layer if layer != null else _layer_for(batch, layers))
+	if layers != old_layers:
 		scatter.set(&"layers", layers)
 	var ids := PackedInt64Array()
 	for index in reading.batches.size():
 		var batch := reading.batches[index]
 		var meshes := PackedInt32Array()
 		meshes.resize(batch.size())
-		meshes.fill(_mesh_index(scatter, chosen[index], batch.mesh))
-		var added: PackedInt64Array = scatter.call(&"add_instances", chosen[index], batch.transforms, meshes)
-		ids.append_array(added)
-		if added.size() < batch.size():
+		meshes.fill(_mesh_index(scatter, targets[index], batch.mesh))
+		var new_ids: PackedInt64Array = scatter.call(&"add_instances", targets[index], batch.transforms, meshes)
+		ids.append_array(new_ids)
+		if new_ids.size() < batch.size():
 			scatter.call(&"remove_instances", ids)
-			scatter.set(&"layers", before)
+			scatter.set(&"layers", old_layers)
 			return PackedInt64Array()
 	return ids
 
@@ -134,7 +134,7 @@ static func place(scatter: Node3D, layer: Variant, reading: Reading) -> PackedIn
 static func _layer_for(batch: Batch, r_layers: Array) -> Resource:
 	for layer: Resource in r_layers:
 		if layer != null and (layer.get(&"meshes") as Array).has(batch.mesh) and \
-				layer.get(&"material_override") == batch.look.get(&"material_override"):
+				layer.get(&"material_override") == batch.appearance.get(&"material_override"):
 			return layer
 	var layer := ClassDB.instantiate(&"ScatterLayer") as Resource
 	var taken := PackedStringArray()
@@ -143,8 +143,8 @@ static func _layer_for(batch: Batch, r_layers: Array) -> Resource:
 			taken.append(other.resource_name)
 	layer.resource_name = layer.call(&"find_free_name", batch.name, taken)
 	layer.set(&"meshes", [batch.mesh])
-	for property: StringName in batch.look:
-		layer.set(property, batch.look[property])
+	for property: StringName in batch.appearance:
+		layer.set(property, batch.appearance[property])
 	layer.call(&"fit_to_meshes")
 	layer.set(&"radius", maxf(layer.get(&"radius"), LEAST_RADIUS))
 	layer.set(&"density", 0.0)
@@ -155,13 +155,13 @@ static func _layer_for(batch: Batch, r_layers: Array) -> Resource:
 ## Returns the index of a mesh in a layer, or 0 if the layer does not have it.
 static func _mesh_index(scatter: Node3D, layer: Variant, mesh: Resource) -> int:
 	var layers: Array = scatter.get(&"layers")
-	var found: Resource = null
+	var target_layer: Resource = null
 	if layer is Resource:
-		found = layer
+		target_layer = layer
 	else:
-		for each: Resource in layers:
-			found = each if found == null and each != null and each.resource_name == str(layer) else found
-	return maxi((found.get(&"meshes") as Array).find(mesh), 0) if found != null else 0
+		for candidate: Resource in layers:
+			target_layer = candidate if target_layer == null and candidate != null and candidate.resource_name == str(layer) else target_layer
+	return maxi((target_layer.get(&"meshes") as Array).find(mesh), 0) if target_layer != null else 0
 
 
 static func _import(scatter: Node3D, layer: Variant, reading: Reading) -> int:
@@ -172,7 +172,7 @@ static func _import(scatter: Node3D, layer: Variant, reading: Reading) -> int:
 	return place(scatter, layer, reading).size() if reading.problems.is_empty() else 0
 
 
-static func _read_below(node: Node, r_reading: Reading) -> void:
+static func _read_tree(node: Node, r_reading: Reading) -> void:
 	if node is MultiMeshInstance3D:
 		_read_multimesh(node as MultiMeshInstance3D, r_reading)
 	if is_terrain_3d(node):
@@ -182,7 +182,7 @@ static func _read_below(node: Node, r_reading: Reading) -> void:
 		if node.name == PROTON_OUTPUT and not child is MultiMeshInstance3D:
 			_read_proton_item(child, r_reading)
 		else:
-			_read_below(child, r_reading)
+			_read_tree(child, r_reading)
 
 
 static func _read_multimesh(node: MultiMeshInstance3D, r_reading: Reading) -> void:
@@ -214,10 +214,10 @@ static func _appearance_of(node: GeometryInstance3D) -> Dictionary[StringName, V
 	var appearance: Dictionary[StringName, Variant] = {}
 	var layer := ClassDB.instantiate(&"ScatterLayer") as Resource
 	var properties: Dictionary = layer.call(&"get_geometry_properties")
-	for own: StringName in properties:
-		var value: Variant = node.get(properties[own])
-		if value != ClassDB.class_get_property_default_value(node.get_class(), properties[own]):
-			appearance[own] = value
+	for property: StringName in properties:
+		var value: Variant = node.get(properties[property])
+		if value != ClassDB.class_get_property_default_value(node.get_class(), properties[property]):
+			appearance[property] = value
 	return appearance
 
 
@@ -244,12 +244,12 @@ static func _append(node: Node3D, transforms: PackedFloat32Array, r_batch: Batch
 	if space == Transform3D.IDENTITY:
 		r_batch.transforms.append_array(transforms)
 		return
-	for at in range(0, transforms.size(), FLOATS):
+	for offset in range(0, transforms.size(), FLOATS):
 		_append_transform(space * Transform3D(
-				Vector3(transforms[at], transforms[at + 4], transforms[at + 8]),
-				Vector3(transforms[at + 1], transforms[at + 5], transforms[at + 9]),
-				Vector3(transforms[at + 2], transforms[at + 6], transforms[at + 10]),
-				Vector3(transforms[at + 3], transforms[at + 7], transforms[at + 11])), r_batch.transforms)
+				Vector3(transforms[offset], transforms[offset + 4], transforms[offset + 8]),
+				Vector3(transforms[offset + 1], transforms[offset + 5], transforms[offset + 9]),
+				Vector3(transforms[offset + 2], transforms[offset + 6], transforms[offset + 10]),
+				Vector3(transforms[offset + 3], transforms[offset + 7], transforms[offset + 11])), r_batch.transforms)
 
 
 static func _append_transform(transform: Transform3D, r_floats: PackedFloat32Array) -> void:
@@ -269,27 +269,27 @@ static func _space_of(node: Node) -> Transform3D:
 	var node_3d := node as Node3D
 	if node_3d.is_inside_tree():
 		return node_3d.global_transform
-	var above := node_3d.get_parent()
-	return node_3d.transform if above == null or node_3d.top_level else _space_of(above) * node_3d.transform
+	var parent := node_3d.get_parent()
+	return node_3d.transform if parent == null or node_3d.top_level else _space_of(parent) * node_3d.transform
 
 
 ## Reads an item of ProtonScatter: multimeshes, possibly with bodies, or copies of a scene.
 static func _read_proton_item(item: Node, r_reading: Reading) -> void:
-	var drawn := false
+	var has_multimesh := false
 	for child in item.get_children():
-		drawn = drawn or child is MultiMeshInstance3D
+		has_multimesh = has_multimesh or child is MultiMeshInstance3D
 		if child is GPUParticles3D:
 			r_reading.problems.append("%s is made of particles, which do not keep transforms: set its render mode in ProtonScatter to Use Instancing, and rebuild." % item.name)
 			return
 	for child in item.get_children():
-		if drawn:
-			_read_below(child, r_reading)
+		if has_multimesh:
+			_read_tree(child, r_reading)
 		elif child is Node3D:
-			_read_copy(child as Node3D, item.name, r_reading)
+			_read_scene_copy(child as Node3D, item.name, r_reading)
 
 
 ## Reads a node as one instance of its scene. If the node is not an instanced scene, reads each mesh in it as an instance.
-static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> void:
+static func _read_scene_copy(node: Node3D, item_name: String, r_reading: Reading) -> void:
 	if not node.scene_file_path.is_empty():
 		var scene := load(node.scene_file_path) as PackedScene
 		if scene == null:
@@ -300,9 +300,9 @@ static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> v
 	var meshes := node.find_children("*", "MeshInstance3D", true, false)
 	if node is MeshInstance3D:
 		meshes.push_front(node)
-	for each: MeshInstance3D in meshes:
-		if each.mesh != null:
-			_append_transform(_space_of(each), r_reading.batch_of(each.mesh, item_name, _appearance_of(each)).transforms)
+	for instance: MeshInstance3D in meshes:
+		if instance.mesh != null:
+			_append_transform(_space_of(instance), r_reading.batch_of(instance.mesh, item_name, _appearance_of(instance)).transforms)
 
 
 ## Returns true if a node stores instances like Terrain3D does.
@@ -322,8 +322,8 @@ static func _read_terrain_3d(terrain: Node, r_reading: Reading) -> void:
 		var region: Object = data.call(&"get_region", location)
 		if region == null:
 			continue
-		var side: float = float(region.get(&"region_size")) * (float(spacing) if spacing is float else 1.0)
-		var corner := Vector3(location.x * side, 0.0, location.y * side)
+		var region_size: float = float(region.get(&"region_size")) * (float(spacing) if spacing is float else 1.0)
+		var corner := Vector3(location.x * region_size, 0.0, location.y * region_size)
 		var instances: Dictionary = region.get(&"instances")
 		for mesh_id: int in instances:
 			var batch := _terrain_3d_batch(terrain, mesh_id, r_reading)

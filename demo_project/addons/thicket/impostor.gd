@@ -71,7 +71,7 @@ func begin(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> Error:
 	_baker.samples = samples
 	_baker.full_sphere = full_sphere
 	if _baker.frames != frames or _baker.frame_size != frame_size or _baker.samples != samples:
-		return _refuse(ERR_PARAMETER_RANGE_ERROR, "frames must be 2 to 32, frame_size a power of two from 16 to 512, frames * frame_size at most 8192, "
+		return _fail(ERR_PARAMETER_RANGE_ERROR, "frames must be 2 to 32, frame_size a power of two from 16 to 512, frames * frame_size at most 8192, "
 				+ "samples 1 to 8; got %d, %d and %d." % [frames, frame_size, samples])
 	_reader = Reader.new()
 	_reader.stand_ins = stand_ins
@@ -82,7 +82,7 @@ func begin(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> Error:
 			return error
 	warnings = _reader.warnings
 	if _reader.area <= 0.0:
-		return _refuse(ERR_INVALID_DATA, "There are no triangles to bake: at least one mesh must have triangles, got %d meshes." % meshes.size())
+		return _fail(ERR_INVALID_DATA, "There are no triangles to bake: at least one mesh must have triangles, got %d meshes." % meshes.size())
 	_task = WorkerThreadPool.add_task(_baker.bake, false, "Bake an impostor")
 	return OK
 
@@ -106,7 +106,7 @@ func finish() -> ArrayMesh:
 	_task = -1
 	var albedo: Image = _baker.get_albedo_image()
 	if albedo == null:
-		_refuse(FAILED, "The impostor cannot be baked. See the Output panel for details.")
+		_fail(FAILED, "The impostor cannot be baked. See the Output panel for details.")
 		return null
 	return _mesh_of(albedo, _baker.get_normal_image())
 
@@ -131,25 +131,25 @@ static func switch_distance(impostor: Mesh, fov := 75.0, height := 1080.0) -> fl
 	return DETAIL * radius * height / (size * tan(deg_to_rad(fov) * 0.5))
 
 
-func _refuse(error: Error, why: String) -> Error:
-	problem = why
+func _fail(error: Error, message: String) -> Error:
+	problem = message
 	return error
 
 
 func _add(mesh: Mesh, transform: Transform3D) -> Error:
 	if mesh == null:
-		return _refuse(ERR_INVALID_PARAMETER, "A mesh is missing: an entry of meshes is null. Remove it, or set a mesh.")
+		return _fail(ERR_INVALID_PARAMETER, "A mesh is missing: an entry of meshes is null. Remove it, or set a mesh.")
 	for surface in mesh.get_surface_count():
 		if mesh is ArrayMesh and (mesh as ArrayMesh).surface_get_primitive_type(surface) != Mesh.PRIMITIVE_TRIANGLES:
 			_reader.warnings.append("Surface %d of %s has no triangles and is skipped: impostors show only triangles." % [surface, _name_of(mesh)])
 			continue
 		var material := material_override if material_override != null else mesh.surface_get_material(surface)
 		var arrays := mesh.surface_get_arrays(surface)
-		var look := _reader.read(material, arrays, transform)
-		var error: Error = _baker.add_surface(look.arrays, transform, look.albedo, look.texture, look.alpha_threshold,
-				look.cull_mode, look.vertex_colors)
+		var appearance := _reader.read(material, arrays, transform)
+		var error: Error = _baker.add_surface(appearance.arrays, transform, appearance.albedo, appearance.texture, appearance.alpha_threshold,
+				appearance.cull_mode, appearance.vertex_colors)
 		if error != OK:
-			return _refuse(error, "Surface %d of %s cannot be baked. See the Output panel for details." % [surface, _name_of(mesh)])
+			return _fail(error, "Surface %d of %s cannot be baked. See the Output panel for details." % [surface, _name_of(mesh)])
 	return OK
 
 

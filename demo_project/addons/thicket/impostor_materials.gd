@@ -4,7 +4,7 @@ extends RefCounted
 const Parameters := preload("res://addons/thicket/shader_parameters.gd")
 
 ## The properties with which a surface is drawn.
-class Look:
+class Appearance:
 	var arrays: Array
 	var albedo := Color.WHITE
 	var texture: Image
@@ -31,24 +31,24 @@ var _images: Dictionary[Texture2D, Image] = {}
 
 
 ## Returns the properties of a surface with these arrays and this material, which may be null, and adds them to the sums.
-func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
-	var look := Look.new()
-	look.arrays = arrays
-	look.cull_mode = _constant(&"CULL_BACK")
-	look.vertex_colors = _constant(&"VERTEX_COLOR_UNUSED")
-	var known: Material = stand_ins.get(material, material)
-	if known is BaseMaterial3D:
-		_read_material(known as BaseMaterial3D, look)
-	elif known is ShaderMaterial:
-		_read_shader(known as ShaderMaterial, look)
-	elif known != null:
-		_warn("%s is baked white: the colors of a %s are unknown. Set stand_ins." % [_name_of(known), known.get_class()])
-	var size := _area_of(arrays, transform)
-	area += size
-	roughness += size * look.roughness
-	specular += size * look.specular
-	backlight += look.backlight * size
-	return look
+func read(material: Material, arrays: Array, transform: Transform3D) -> Appearance:
+	var appearance := Appearance.new()
+	appearance.arrays = arrays
+	appearance.cull_mode = _constant(&"CULL_BACK")
+	appearance.vertex_colors = _constant(&"VERTEX_COLOR_UNUSED")
+	var source: Material = stand_ins.get(material, material)
+	if source is BaseMaterial3D:
+		_read_material(source as BaseMaterial3D, appearance)
+	elif source is ShaderMaterial:
+		_read_shader(source as ShaderMaterial, appearance)
+	elif source != null:
+		_warn("%s is baked white: the colors of a %s are unknown. Set stand_ins." % [_name_of(source), source.get_class()])
+	var surface_area := _area_of(arrays, transform)
+	area += surface_area
+	roughness += surface_area * appearance.roughness
+	specular += surface_area * appearance.specular
+	backlight += appearance.backlight * surface_area
+	return appearance
 
 
 ## Returns one of ScatterImpostorBaker's constants. This script must not name the class, because the editor also compiles it without the library.
@@ -56,59 +56,59 @@ static func _constant(name: StringName) -> int:
 	return ClassDB.class_get_integer_constant(&"ScatterImpostorBaker", name)
 
 
-func _read_material(material: BaseMaterial3D, look: Look) -> void:
-	look.albedo = material.albedo_color
-	look.texture = _image_of(material.albedo_texture, material)
-	look.cull_mode = _constant([&"CULL_BACK", &"CULL_FRONT", &"CULL_DISABLED"][material.cull_mode])
+func _read_material(material: BaseMaterial3D, appearance: Appearance) -> void:
+	appearance.albedo = material.albedo_color
+	appearance.texture = _image_of(material.albedo_texture, material)
+	appearance.cull_mode = _constant([&"CULL_BACK", &"CULL_FRONT", &"CULL_DISABLED"][material.cull_mode])
 	match material.transparency:
 		BaseMaterial3D.TRANSPARENCY_DISABLED:
-			look.alpha_threshold = 0.0
+			appearance.alpha_threshold = 0.0
 		BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR:
-			look.alpha_threshold = clampf(material.alpha_scissor_threshold, 0.0, 1.0)
+			appearance.alpha_threshold = clampf(material.alpha_scissor_threshold, 0.0, 1.0)
 		_:
-			look.alpha_threshold = HALF
+			appearance.alpha_threshold = HALF
 	if material.vertex_color_use_as_albedo:
-		look.vertex_colors = _constant(&"VERTEX_COLOR_SRGB" if material.vertex_color_is_srgb else &"VERTEX_COLOR_LINEAR")
-	look.roughness = material.roughness
-	look.specular = material.metallic_specular
+		appearance.vertex_colors = _constant(&"VERTEX_COLOR_SRGB" if material.vertex_color_is_srgb else &"VERTEX_COLOR_LINEAR")
+	appearance.roughness = material.roughness
+	appearance.specular = material.metallic_specular
 	if material.backlight_enabled:
-		look.backlight = material.backlight
+		appearance.backlight = material.backlight
 	if material.uv1_triplanar:
 		_warn("%s is triplanar and is baked with the mesh's UVs instead. Set stand_ins to a material without uv1_triplanar." % _name_of(material))
-	var uvs: Variant = look.arrays[Mesh.ARRAY_TEX_UV]
+	var uvs: Variant = appearance.arrays[Mesh.ARRAY_TEX_UV]
 	if uvs != null and (material.uv1_scale != Vector3.ONE or material.uv1_offset != Vector3.ZERO):
 		var scale := Vector2(material.uv1_scale.x, material.uv1_scale.y)
-		var moved := Transform2D(0.0, scale, 0.0, Vector2(material.uv1_offset.x, material.uv1_offset.y))
-		look.arrays = look.arrays.duplicate()
-		look.arrays[Mesh.ARRAY_TEX_UV] = moved * (uvs as PackedVector2Array)
+		var uv_transform := Transform2D(0.0, scale, 0.0, Vector2(material.uv1_offset.x, material.uv1_offset.y))
+		appearance.arrays = appearance.arrays.duplicate()
+		appearance.arrays[Mesh.ARRAY_TEX_UV] = uv_transform * (uvs as PackedVector2Array)
 
 
 ## Reads the parameters with common names, and the render modes, of a custom shader.
-func _read_shader(material: ShaderMaterial, look: Look) -> void:
+func _read_shader(material: ShaderMaterial, appearance: Appearance) -> void:
 	if material.shader == null:
 		return
 	var color: Variant = Parameters.value_of(material, Parameters.COLORS, TYPE_COLOR)
 	var texture: Variant = Parameters.value_of(material, Parameters.TEXTURES, TYPE_OBJECT)
 	var threshold: Variant = Parameters.value_of(material, Parameters.THRESHOLDS, TYPE_FLOAT)
 	var code := material.shader.code
-	look.albedo = color if color != null else Color.WHITE
-	look.texture = _image_of(texture as Texture2D, material)
+	appearance.albedo = color if color != null else Color.WHITE
+	appearance.texture = _image_of(texture as Texture2D, material)
 	if threshold != null:
-		look.alpha_threshold = clampf(threshold, 0.0, 1.0)
+		appearance.alpha_threshold = clampf(threshold, 0.0, 1.0)
 	elif code.contains("ALPHA") or code.contains("discard"):
-		look.alpha_threshold = HALF
+		appearance.alpha_threshold = HALF
 	if code.contains("cull_disabled"):
-		look.cull_mode = _constant(&"CULL_DISABLED")
+		appearance.cull_mode = _constant(&"CULL_DISABLED")
 	elif code.contains("cull_front"):
-		look.cull_mode = _constant(&"CULL_FRONT")
-	if look.arrays[Mesh.ARRAY_COLOR] != null and Parameters.has_word(code, "COLOR"):
-		look.vertex_colors = _constant(&"VERTEX_COLOR_LINEAR")
+		appearance.cull_mode = _constant(&"CULL_FRONT")
+	if appearance.arrays[Mesh.ARRAY_COLOR] != null and Parameters.has_word(code, "COLOR"):
+		appearance.vertex_colors = _constant(&"VERTEX_COLOR_LINEAR")
 	var custom_roughness: Variant = Parameters.value_of(material, [&"roughness"], TYPE_FLOAT)
-	look.roughness = clampf(custom_roughness, 0.0, 1.0) if custom_roughness != null else look.roughness
+	appearance.roughness = clampf(custom_roughness, 0.0, 1.0) if custom_roughness != null else appearance.roughness
 	var custom_specular: Variant = Parameters.value_of(material, [&"specular"], TYPE_FLOAT)
-	look.specular = clampf(custom_specular, 0.0, 1.0) if custom_specular != null else look.specular
+	appearance.specular = clampf(custom_specular, 0.0, 1.0) if custom_specular != null else appearance.specular
 	var custom_backlight: Variant = Parameters.value_of(material, [&"backlight"], TYPE_COLOR)
-	look.backlight = custom_backlight if custom_backlight != null else look.backlight
+	appearance.backlight = custom_backlight if custom_backlight != null else appearance.backlight
 	if color == null and texture == null:
 		_warn("%s is baked white: its shader has no parameter with a common name for a color or a texture (%s, %s). Set stand_ins."
 				% [_name_of(material), Parameters.COLORS[0], Parameters.TEXTURES[0]])
@@ -126,9 +126,9 @@ func _image_of(texture: Texture2D, material: Material) -> Image:
 	return _images[texture]
 
 
-func _warn(sentence: String) -> void:
-	if not warnings.has(sentence):
-		warnings.append(sentence)
+func _warn(message: String) -> void:
+	if not warnings.has(message):
+		warnings.append(message)
 
 
 static func _name_of(material: Material) -> String:
@@ -143,7 +143,7 @@ static func _area_of(arrays: Array, transform: Transform3D) -> float:
 	if arrays[Mesh.ARRAY_INDEX] != null:
 		indices = arrays[Mesh.ARRAY_INDEX]
 	var sum := 0.0
-	for at in range(0, indices.size() - 2, 3):
-		var corner := vertices[indices[at]]
-		sum += 0.5 * (vertices[indices[at + 1]] - corner).cross(vertices[indices[at + 2]] - corner).length()
+	for first in range(0, indices.size() - 2, 3):
+		var corner := vertices[indices[first]]
+		sum += 0.5 * (vertices[indices[first + 1]] - corner).cross(vertices[indices[first + 2]] - corner).length()
 	return sum

@@ -13,7 +13,7 @@ const LibraryGate := preload("library_gate.gd")
 ## The tools, an object of [code]editor/workspace.gd[/code]; null if they are not loaded.
 var workspace: RefCounted
 
-var _tried := false ## True if the plugin has tried to open the tools with the library loaded.
+var _has_tried := false ## True if the plugin has tried to open the tools with the library loaded.
 
 
 func _enter_tree() -> void:
@@ -31,15 +31,15 @@ func _exit_tree() -> void:
 func _process(delta: float) -> void:
 	if workspace != null:
 		workspace.process(delta)
-	elif not _tried and LibraryGate.is_open():
+	elif not _has_tried and LibraryGate.is_open():
 		_open()
 
 
 func _open() -> void:
-	_tried = LibraryGate.is_open()
+	_has_tried = LibraryGate.is_open()
 	var misplaced := BakedWorldFormat.misplaced((get_script() as Script).resource_path)
 	if misplaced:
-		_tried = true
+		_has_tried = true
 		push_error(misplaced)
 		return
 	var script := LibraryGate.load_script("editor/workspace.gd")

@@ -13,17 +13,17 @@ extends RefCounted
 ## error. Lines that are empty or begin with # are skipped.
 
 const FLOATS := 12
-const MOST_PROBLEMS := 5
+const MAX_PROBLEMS := 5
 ## The maximum absolute value of a number. A larger number is reported as an error.
-const MOST := 1e9
-const PARTS: PackedStringArray = [
+const MAX_VALUE := 1e9
+const COLUMNS: PackedStringArray = [
 	"position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z", "scale_x", "scale_y", "scale_z",
 ]
 const SYNONYMS: Dictionary[String, String] = {
 	"x": "position_x", "y": "position_y", "z": "position_z", "rx": "rotation_x", "ry": "rotation_y", "rz": "rotation_z",
 	"sx": "scale_x", "sy": "scale_y", "sz": "scale_z",
 }
-const ONE_SCALE := "scale"
+const UNIFORM_SCALE := "scale"
 const COUNTS: Array[int] = [3, 6, 7, 9, 12]
 
 ## The transforms, 12 floats for each line, as in [member MultiMesh.buffer]. Empty if there are problems.
@@ -32,8 +32,8 @@ var transforms := PackedFloat32Array()
 var problems := PackedStringArray()
 
 var _separator := ","
-var _numbers := RegEx.new() ## Matches a line of plain numbers, the most frequent case.
-## The meaning of each column: an index in PARTS, or -1 for the scale of all axes.
+var _plain_line := RegEx.new() ## Matches a line of plain numbers, the most frequent case.
+## The meaning of each column: an index in COLUMNS, or -1 for the scale of all axes.
 var _columns: Array[int] = []
 var _names: PackedStringArray = []
 
@@ -49,57 +49,57 @@ func read(text: String) -> void:
 		if line.is_empty() or line.begins_with("#"):
 			continue
 		if _names.is_empty():
-			if _take_first(line, index + 1):
+			if _read_first_line(line, index + 1):
 				continue
 			if not problems.is_empty():
 				break
 		var values := _values_of(line, index + 1)
 		if not values.is_empty():
 			_append(values)
-		if problems.size() >= MOST_PROBLEMS:
+		if problems.size() >= MAX_PROBLEMS:
 			break
 	if not problems.is_empty():
 		transforms = PackedFloat32Array()
 
 
 ## Determines the meaning of the columns from the first line. Returns true if the line is a header, which has no transform.
-func _take_first(line: String, number: int) -> bool:
+func _read_first_line(line: String, line_number: int) -> bool:
 	_separator = "\t" if "\t" in line else ";" if ";" in line else ","
 	var number_form := "\\s*[+-]?(\\d+\\.?\\d*|\\.\\d+)([eE][+-]?\\d+)?\\s*"
-	_numbers.compile("^%s(%s%s)*$" % [number_form, _separator, number_form])
+	_plain_line.compile("^%s(%s%s)*$" % [number_form, _separator, number_form])
 	var fields := _fields(line)
-	var header := fields.all(func(field: String) -> bool: return not field.is_valid_float())
-	var known := 0
+	var is_header := fields.all(func(field: String) -> bool: return not field.is_valid_float())
+	var known_count := 0
 	for field in fields:
-		var part: String = SYNONYMS.get(field.to_lower(), field.to_lower())
-		known += int(PARTS.has(part) or part == ONE_SCALE)
-	if header and known > 0:
-		_take_names(fields, number)
+		var column: String = SYNONYMS.get(field.to_lower(), field.to_lower())
+		known_count += int(COLUMNS.has(column) or column == UNIFORM_SCALE)
+	if is_header and known_count > 0:
+		_read_header(fields, line_number)
 	elif COUNTS.has(fields.size()):
-		_take_count(fields.size())
+		_set_columns(fields.size())
 	else:
-		problems.append("line %d: the number of columns must be 3, 6, 7, 9 or 12, got %d" % [number, fields.size()])
-	return header
+		problems.append("line %d: the number of columns must be 3, 6, 7, 9 or 12, got %d" % [line_number, fields.size()])
+	return is_header
 
 
-func _take_names(fields: Array[String], number: int) -> void:
+func _read_header(fields: Array[String], line_number: int) -> void:
 	for field in fields:
-		var part: String = SYNONYMS.get(field.to_lower(), field.to_lower())
-		if not PARTS.has(part) and part != ONE_SCALE:
-			problems.append("line %d: no column is called '%s'; known are %s and scale" % [number, field, ", ".join(PARTS)])
-		elif _names.has(part):
-			problems.append("line %d: '%s' appears twice; name each column once" % [number, field])
-		_names.append(part)
-		_columns.append(PARTS.find(part))
-	for part in PARTS.slice(0, 3):
-		if not _names.has(part):
-			problems.append("line %d: there is no column '%s'; x, y and z are required" % [number, part])
+		var column: String = SYNONYMS.get(field.to_lower(), field.to_lower())
+		if not COLUMNS.has(column) and column != UNIFORM_SCALE:
+			problems.append("line %d: no column is called '%s'; known are %s and scale" % [line_number, field, ", ".join(COLUMNS)])
+		elif _names.has(column):
+			problems.append("line %d: '%s' appears twice; name each column once" % [line_number, field])
+		_names.append(column)
+		_columns.append(COLUMNS.find(column))
+	for column in COLUMNS.slice(0, 3):
+		if not _names.has(column):
+			problems.append("line %d: there is no column '%s'; x, y and z are required" % [line_number, column])
 
 
-func _take_count(count: int) -> void:
+func _set_columns(count: int) -> void:
 	for index in count:
-		_names.append("number %d" % (index + 1) if count == FLOATS else ONE_SCALE if count == 7 and index == 6 else PARTS[index])
-		_columns.append(-1 if _names[-1] == ONE_SCALE else index)
+		_names.append("number %d" % (index + 1) if count == FLOATS else UNIFORM_SCALE if count == 7 and index == 6 else COLUMNS[index])
+		_columns.append(-1 if _names[-1] == UNIFORM_SCALE else index)
 
 
 func _fields(line: String) -> Array[String]:
@@ -110,30 +110,30 @@ func _fields(line: String) -> Array[String]:
 
 
 ## Returns the numbers in a line. If the line has an error, adds a problem and returns no numbers.
-func _values_of(line: String, number: int) -> PackedFloat64Array:
-	if _numbers.search(line) != null:
+func _values_of(line: String, line_number: int) -> PackedFloat64Array:
+	if _plain_line.search(line) != null:
 		var values := line.split_floats(_separator)
 		var sorted := values.duplicate()
 		sorted.sort()
-		if values.size() == _columns.size() and sorted[0] >= -MOST and sorted[-1] <= MOST:
+		if values.size() == _columns.size() and sorted[0] >= -MAX_VALUE and sorted[-1] <= MAX_VALUE:
 			return values
-	return _values_one_by_one(line, number)
+	return _parse_fields(line, line_number)
 
 
 ## Reads the values of a line that contains quotes or has an error.
-func _values_one_by_one(line: String, number: int) -> PackedFloat64Array:
+func _parse_fields(line: String, line_number: int) -> PackedFloat64Array:
 	var fields := _fields(line)
 	if fields.size() != _columns.size():
-		problems.append("line %d: the number of values must be %d, got %d" % [number, _columns.size(), fields.size()])
+		problems.append("line %d: the number of values must be %d, got %d" % [line_number, _columns.size(), fields.size()])
 		return PackedFloat64Array()
 	var values := PackedFloat64Array()
 	for index in fields.size():
 		if not fields[index].is_valid_float():
-			problems.append("line %d: %s is '%s', which is not a number; write it with a decimal point" % [number, _names[index], fields[index]])
+			problems.append("line %d: %s is '%s', which is not a number; write it with a decimal point" % [line_number, _names[index], fields[index]])
 			return PackedFloat64Array()
 		values.append(fields[index].to_float())
-		if not absf(values[-1]) <= MOST:
-			problems.append("line %d: %s is %s, which is beyond 10^9; numbers must be between -10^9 and 10^9" % [number, _names[index], fields[index]])
+		if not absf(values[-1]) <= MAX_VALUE:
+			problems.append("line %d: %s is %s, which is beyond 10^9; numbers must be between -10^9 and 10^9" % [line_number, _names[index], fields[index]])
 			return PackedFloat64Array()
 	return values
 
@@ -142,18 +142,18 @@ func _append(values: PackedFloat64Array) -> void:
 	if _columns.size() == FLOATS:
 		transforms.append_array(PackedFloat32Array(Array(values)))
 		return
-	var parts := PackedFloat64Array([0, 0, 0, 0, 0, 0, 1, 1, 1])
+	var values_by_part := PackedFloat64Array([0, 0, 0, 0, 0, 0, 1, 1, 1])
 	for index in values.size():
 		if _columns[index] >= 0:
-			parts[_columns[index]] = values[index]
+			values_by_part[_columns[index]] = values[index]
 		else:
-			parts[6] = values[index]
-			parts[7] = values[index]
-			parts[8] = values[index]
-	var turned := Basis.from_euler(Vector3(deg_to_rad(parts[3]), deg_to_rad(parts[4]), deg_to_rad(parts[5])))
-	var x := turned.x * parts[6]
-	var y := turned.y * parts[7]
-	var z := turned.z * parts[8]
+			values_by_part[6] = values[index]
+			values_by_part[7] = values[index]
+			values_by_part[8] = values[index]
+	var rotation := Basis.from_euler(Vector3(deg_to_rad(values_by_part[3]), deg_to_rad(values_by_part[4]), deg_to_rad(values_by_part[5])))
+	var x := rotation.x * values_by_part[6]
+	var y := rotation.y * values_by_part[7]
+	var z := rotation.z * values_by_part[8]
 	transforms.append_array(PackedFloat32Array([
-		x.x, y.x, z.x, parts[0], x.y, y.y, z.y, parts[1], x.z, y.z, z.z, parts[2],
+		x.x, y.x, z.x, values_by_part[0], x.y, y.y, z.y, values_by_part[1], x.z, y.z, z.z, values_by_part[2],
 	]))

@@ -6,7 +6,7 @@ extends RefCounted
 ## The number of bytes that are appended to a file to check whether the disk is full. It is larger than a typical disk block.
 const PROBE_BYTES := 1 << 14
 ## The signatures at the beginning and at the end of binary files that [ResourceSaver] writes.
-const MARKS: Array[String] = ["RSRC", "RSCC"]
+const SIGNATURES: Array[String] = ["RSRC", "RSCC"]
 
 
 ## Writes [param bytes] to the file at [param path].
@@ -20,7 +20,7 @@ static func store(path: String, bytes: PackedByteArray) -> Error:
 	var stored := file.store_buffer(bytes)
 	file.close()
 	# Closing the file writes the last buffered bytes, and the disk may have been full by then.
-	return _put(partial, path, OK if stored and _length(partial) == bytes.size() else ERR_FILE_CANT_WRITE)
+	return _move_into_place(partial, path, OK if stored and _length(partial) == bytes.size() else ERR_FILE_CANT_WRITE)
 
 
 ## Saves a resource to the file at [param path]. [member Resource.resource_path] is not changed. [param flags] are [enum ResourceSaver.SaverFlags].
@@ -32,7 +32,7 @@ static func save(resource: Resource, path: String, flags := 0) -> Error:
 	if Engine.is_editor_hint() and FileAccess.file_exists(path):
 		# The old file contains the UID by which scenes refer to it. The editor keeps the UID of an existing file, so the new one starts as a copy.
 		error = DirAccess.copy_absolute(path, partial)
-	return _put(partial, path, save_new(resource, partial, flags) if error == OK else error)
+	return _move_into_place(partial, path, save_new(resource, partial, flags) if error == OK else error)
 
 
 ## Saves a resource to a new file. Unlike [method ResourceSaver.save], returns an error if the disk is full.
@@ -54,7 +54,7 @@ static func _may_be_replaced(path: String) -> bool:
 	return not FileAccess.file_exists(path) or FileAccess.open(path, FileAccess.READ_WRITE) != null
 
 
-static func _put(partial: String, path: String, error: Error) -> Error:
+static func _move_into_place(partial: String, path: String, error: Error) -> Error:
 	if error == OK:
 		error = DirAccess.rename_absolute(partial, path)
 	if error != OK and FileAccess.file_exists(partial):
@@ -73,20 +73,20 @@ static func _is_whole(path: String) -> bool:
 	if file == null:
 		return false
 	var length := file.get_length()
-	var begin := file.get_buffer(4).get_string_from_ascii()
+	var first_bytes := file.get_buffer(4).get_string_from_ascii()
 	file.seek(maxi(length - 4, 0))
-	var ending := file.get_buffer(4).get_string_from_ascii()
-	if length == 0 or (begin in MARKS and begin != ending):
+	var last_bytes := file.get_buffer(4).get_string_from_ascii()
+	if length == 0 or (first_bytes in SIGNATURES and first_bytes != last_bytes):
 		return false
 	var probe := PackedByteArray()
 	probe.resize(PROBE_BYTES)
 	file.seek_end()
 	var stored := file.store_buffer(probe)
 	file.flush()
-	var found := _length(path)
+	var probed_length := _length(path)
 	var error := file.resize(length)
 	file.close()
-	return stored and found == length + PROBE_BYTES and error == OK and _length(path) == length
+	return stored and probed_length == length + PROBE_BYTES and error == OK and _length(path) == length
 
 
 static func _length(path: String) -> int:

@@ -16,11 +16,11 @@ var tiles := Rect2i()
 var _edges_x := PackedFloat64Array()
 var _edges_z := PackedFloat64Array()
 var _layers: Array[Dictionary] = []
-var _grids: Array[ScatterTileGrid] = [] # The grid of the game's tiles for each layer.
+var _grids: Array[ScatterTileGrid] = [] # The grids of the game's tiles, one for each layer.
 
 
 ## Divides [param rect] (world x, z, width and depth in meters) into tiles with an edge length of [param size] meters. Only [code]index[/code] and
-## [code]tile_size[/code] of [param layers] are used. If there are no tiles or too many, sets [member problem].
+## [code]tile_size[/code] of [param layers] are used. If there are no tiles, or too many, sets [member problem].
 func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 	tile_size = size
 	var grid := ScatterTileGrid.new()
@@ -37,10 +37,10 @@ func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 	_edges_x = _edges(grid, tiles.position.x, tiles.size.x, rect[0], rect[0] + rect[2], 0)
 	_edges_z = _edges(grid, tiles.position.y, tiles.size.y, rect[1], rect[1] + rect[3], 1)
 	for layer in layers:
-		var of_layer := ScatterTileGrid.new()
-		of_layer.tile_size = layer["tile_size"]
+		var layer_grid := ScatterTileGrid.new()
+		layer_grid.tile_size = layer["tile_size"]
 		_layers.append(layer)
-		_grids.append(of_layer)
+		_grids.append(layer_grid)
 
 
 ## Returns the grid as plain values: [code]tile_size[/code], [code]grid[/code] (first column, first row, number of columns, number of rows), and
@@ -56,12 +56,12 @@ func description() -> Dictionary:
 ## column and row as [code]x[/code] and [code]y[/code], and its [code]bounds[/code] as [method ScatterTileGrid.get_tile_bounds] returns them.
 func parts_of(tile: Vector2i) -> Array[Dictionary]:
 	var parts: Array[Dictionary] = []
-	var at := tile - tiles.position
-	var area := PackedFloat64Array([_edges_x[at.x], _edges_z[at.y], _edges_x[at.x + 1], _edges_z[at.y + 1]])
+	var cell := tile - tiles.position
+	var area := PackedFloat64Array([_edges_x[cell.x], _edges_z[cell.y], _edges_x[cell.x + 1], _edges_z[cell.y + 1]])
 	for index in _layers.size():
-		var within := _grids[index].get_tiles_in(area)
-		for y in range(within.position.y, within.end.y):
-			for x in range(within.position.x, within.end.x):
+		var covered := _grids[index].get_tiles_in(area)
+		for y in range(covered.position.y, covered.end.y):
+			for x in range(covered.position.x, covered.end.x):
 				parts.append({"layer": _layers[index].index, "x": x, "y": y, "bounds": Array(_grids[index].get_tile_bounds(Vector2i(x, y)))})
 	return parts
 
@@ -75,9 +75,9 @@ static func _edges(grid: ScatterTileGrid, first: int, count: int, low: float, hi
 	return edges
 
 
-## Returns the default edge length of a tile in meters. If possible with at most 1,024 m, the tile consists of whole tiles of all layers, whose edge
-## lengths are [param sizes]. The edge length begins at 256 m or more. It doubles, up to 2,048 m, while there are more than 4,096 tiles. It stops
-## doubling if a tile would have more than [constant COMFORTABLE_ROWS] rows at [param density] instances per square meter.
+## Returns the default edge length of a tile in meters. [param sizes] are the edge lengths of the layers' tiles. If they have a common multiple of at
+## most 1,024 m, a tile consists of whole tiles of all layers. The edge length begins at 256 m or more. It doubles, up to 2,048 m, while there are
+## more than 4,096 tiles, unless a tile would then have more than [constant COMFORTABLE_ROWS] rows at [param density] instances per square meter.
 static func default_size(rect: Array, sizes: PackedFloat64Array, density: float) -> float:
 	var base := 0.0
 	var common := 1
@@ -97,7 +97,7 @@ static func default_size(rect: Array, sizes: PackedFloat64Array, density: float)
 static func _least_common_multiple(a: int, b: int) -> int:
 	var product := a * b
 	while b != 0:
-		var rest := a % b
+		var remainder := a % b
 		a = b
-		b = rest
+		b = remainder
 	return product / a

@@ -21,7 +21,7 @@ const SECONDS_A_LINE := 10.0
 const CHUNK_BYTES := 1 << 22
 ## The keys whose values must not change when a bake continues in an existing folder. If a value has changed, the error
 ## contains the string for its key, the value in the folder and the current value.
-const SAME: Dictionary[String, String] = {
+const FIXED_KEYS: Dictionary[String, String] = {
 	"scene": "the scene is different (%s, not %s)", "rect": "the rectangle is different (%s, not %s)",
 	"tile_size": "the tile size is different (%s m, not %s m)", "layers": "the layers are different (%s, not %s)", "parts": "",
 }
@@ -29,22 +29,22 @@ const SAME: Dictionary[String, String] = {
 ## The error in the arguments or the reason why no more tiles can be generated; empty if there is neither.
 var problem := ""
 
-var _out := ""
-var _described: SceneDescription
+var _out_folder := ""
+var _description: SceneDescription
 var _tiles: Array[PackedInt64Array] = [] ## The requested columns and rows; empty for all tiles.
-var _share := PackedInt64Array([1, 1]) ## The part of the tiles to generate, from 1, and the number of parts.
+var _slice := PackedInt64Array([1, 1]) ## Which part of the tiles to generate, from 1, and the number of parts.
 var _world := {}
-var _stored := 0 ## The number of bytes already stored in the current file.
+var _stored_bytes := 0 ## The number of bytes already stored in the current file.
 var _counts := {"made": 0, "kept": 0, "failed": 0}
 
 
 ## Reads the arguments of the command line. Sets [member problem] if one is invalid.
 func _init(arguments: Dictionary[String, String]) -> void:
-	_out = arguments.get("out", "")
-	if not _out.is_absolute_path() or ("://" in _out and not _out.begins_with("res://") and not _out.begins_with("user://")):
-		problem = "out must be the absolute path of a folder, such as out=/data/baked, got '%s'." % _out
-	_described = SceneDescription.new(arguments)
-	problem = problem if problem else _described.problem
+	_out_folder = arguments.get("out", "")
+	if not _out_folder.is_absolute_path() or ("://" in _out_folder and not _out_folder.begins_with("res://") and not _out_folder.begins_with("user://")):
+		problem = "out must be the absolute path of a folder, such as out=/data/baked, got '%s'." % _out_folder
+	_description = SceneDescription.new(arguments)
+	problem = problem if problem else _description.problem
 	if arguments.has("tiles"):
 		for text in arguments.tiles.split(" ", false):
 			var pair := text.split(",")
@@ -53,44 +53,44 @@ func _init(arguments: Dictionary[String, String]) -> void:
 			else:
 				_tiles.append(PackedInt64Array([pair[0].to_int(), pair[1].to_int()]))
 	if arguments.has("share"):
-		var share := SceneDescription.numbers_in(arguments.share, "/")
-		if share.size() != 2 or share[0] != int(share[0]) or share[1] != int(share[1]) or share[0] < 1.0 or share[0] > share[1]:
+		var slice := SceneDescription.numbers_in(arguments.share, "/")
+		if slice.size() != 2 or slice[0] != int(slice[0]) or slice[1] != int(slice[1]) or slice[0] < 1.0 or slice[0] > slice[1]:
 			problem = "share must be K/N, for part K of the tiles in N parts, with K from 1 to N, got '%s'." % arguments.share
 		else:
-			_share = PackedInt64Array(share)
+			_slice = PackedInt64Array(slice)
 
 
-## Generates the missing tiles and returns the exit code. 0 means that all requested tiles exist, 1 that tiles failed or could not be written, and 2
-## that the bake could not start.
+## Generates the missing tiles and returns the exit code: 0 if all requested tiles exist, 1 if tiles failed or could not be written, and 2 if the
+## bake could not start.
 func make(scatter: TerrainScatter3D, scene: String) -> int:
-	if not _describe(scatter, scene) or not _go_on() or not _begin(scatter):
+	if not _describe(scatter, scene) or not _can_continue() or not _begin(scatter):
 		printerr("bake_world: ", problem)
 		return 2
 	var next_line := Time.get_ticks_msec() + 1000.0 * SECONDS_A_LINE
 	var count := _count()
-	for number in range(_share[0] - 1, count, _share[1]):
-		_make_tile(scatter, _tile(number))
+	for index in range(_slice[0] - 1, count, _slice[1]):
+		_make_tile(scatter, _tile(index))
 		if problem:
 			printerr("bake_world: ", problem, " Run the same command again to generate the missing tiles.")
 			return 1
 		if Time.get_ticks_msec() >= next_line:
 			next_line = Time.get_ticks_msec() + 1000.0 * SECONDS_A_LINE
-			print("bake_world: %d of %d tiles" % [number / _share[1] + 1, ceili(float(count - _share[0] + 1) / _share[1])])
+			print("bake_world: %d of %d tiles" % [index / _slice[1] + 1, ceili(float(count - _slice[0] + 1) / _slice[1])])
 	print("bake_world: {made} tiles generated, {kept} already present, {failed} failed".format(_counts))
 	return 0 if _counts.failed == 0 else 1
 
 
 ## Fills [member _world], except for the models. Returns false and sets [member problem] on an error.
 func _describe(scatter: TerrainScatter3D, scene: String) -> bool:
-	if not _described.describe(scatter):
-		problem = _described.problem
+	if not _description.describe(scatter):
+		problem = _description.problem
 		return false
-	_world = _described.values
+	_world = _description.values
 	_world["scene"] = scene
 	for warning: String in _world.problems:
 		print("bake_world: the scene warns: ", warning)
-	var first := _described.grid.tiles.position
-	var last := _described.grid.tiles.end - Vector2i.ONE
+	var first := _description.grid.tiles.position
+	var last := _description.grid.tiles.end - Vector2i.ONE
 	for tile in _tiles:
 		if tile[0] < first.x or tile[0] > last.x or tile[1] < first.y or tile[1] > last.y:
 			problem = "tiles has '%d,%d', which is not in the rectangle: tiles go from %d,%d to %d,%d. Change tiles or rect." % [
@@ -105,21 +105,21 @@ static func _as_json(value: Variant) -> Variant:
 
 ## Returns true if the folder is new, belongs to the same bake, or has a description that cannot be read and is replaced. Otherwise, returns false
 ## and sets [member problem].
-func _go_on() -> bool:
-	var path := _out.path_join(WORLD)
+func _can_continue() -> bool:
+	var path := _out_folder.path_join(WORLD)
 	if not FileAccess.file_exists(path):
 		return true
-	var before := _parsed(FileAccess.get_file_as_bytes(path))
-	if not before.has_all(SAME.keys()):
+	var stored := _parsed(FileAccess.get_file_as_bytes(path))
+	if not stored.has_all(FIXED_KEYS.keys()):
 		return true
-	var now: Dictionary = _as_json(_world)
-	for world: Dictionary in [before, now]:
+	var current: Dictionary = _as_json(_world)
+	for world: Dictionary in [stored, current]:
 		world["layers"] = _indices(world["layers"])
-	for key in SAME:
-		if before[key] != now[key]:
+	for key in FIXED_KEYS:
+		if stored[key] != current[key]:
 			problem = "%s contains tiles of another bake: %s. Choose another out, or remove the files in this one." % [
-				_out, SAME[key] % [before[key], now[key]] if key != "parts"
-				else "these parts of the scene differ: " + _changed(before.parts, now.parts)]
+				_out_folder, FIXED_KEYS[key] % [stored[key], current[key]] if key != "parts"
+				else "these parts of the scene differ: " + _changed_parts(stored.parts, current.parts)]
 			return false
 	return true
 
@@ -128,8 +128,8 @@ static func _indices(layers: Array) -> Array:
 	return layers.map(func(layer: Dictionary) -> int: return int(layer.index))
 
 
-static func _changed(before: Dictionary, now: Dictionary) -> String:
-	return ", ".join(before.merged(now).keys().filter(func(part: String) -> bool: return before.get(part) != now.get(part)))
+static func _changed_parts(stored: Dictionary, current: Dictionary) -> String:
+	return ", ".join(stored.merged(current).keys().filter(func(name: String) -> bool: return stored.get(name) != current.get(name)))
 
 
 ## Parses bytes as a JSON object. Returns an empty dictionary if they are not one.
@@ -146,28 +146,28 @@ func _begin(scatter: TerrainScatter3D) -> bool:
 		var files := ModelFiles.new(all_layers[layer.index], layer.index)
 		problem = problem if problem else files.problem
 		models.append({"index": layer.index, "models": files.models, "material": files.material})
-		for file in files.written:
-			_write_whole(_out.path_join(file), func(to: FileAccess) -> String: return _store(to, files.written[file]))
+		for path in files.new_files:
+			_write_whole(_out_folder.path_join(path), func(file: FileAccess) -> String: return _store(file, files.new_files[path]))
 	_world.models = models
 	var text := JSON.stringify(_world, " ", false, true).to_utf8_buffer()
-	_write_whole(_out.path_join(WORLD), func(to: FileAccess) -> String: return _store(to, text))
+	_write_whole(_out_folder.path_join(WORLD), func(file: FileAccess) -> String: return _store(file, text))
 	return problem.is_empty()
 
 
 func _count() -> int:
-	return _described.grid.tiles.size.x * _described.grid.tiles.size.y if _tiles.is_empty() else _tiles.size()
+	return _description.grid.tiles.size.x * _description.grid.tiles.size.y if _tiles.is_empty() else _tiles.size()
 
 
-## Returns the tile with this number, counted row by row, or in the order of the requested tiles.
-func _tile(number: int) -> Vector2i:
+## Returns the tile at this index, counted row by row, or in the order of the requested tiles.
+func _tile(index: int) -> Vector2i:
 	if not _tiles.is_empty():
-		return Vector2i(_tiles[number][0], _tiles[number][1])
-	var tiles := _described.grid.tiles
-	return tiles.position + Vector2i(number % tiles.size.x, number / tiles.size.x)
+		return Vector2i(_tiles[index][0], _tiles[index][1])
+	var tiles := _description.grid.tiles
+	return tiles.position + Vector2i(index % tiles.size.x, index / tiles.size.x)
 
 
 func _make_tile(scatter: TerrainScatter3D, tile: Vector2i) -> void:
-	var path := _out.path_join("tiles/tile_%d_%d.rows" % [tile.x, tile.y])
+	var path := _out_folder.path_join("tiles/tile_%d_%d.rows" % [tile.x, tile.y])
 	var header := {
 		"tile": "%d,%d" % [tile.x, tile.y], "sha256": "0".repeat(64), "bytes": 0,
 		"of": {"scene_digest": _world["scene_digest"], "rect": _world["rect"], "tile_size": _world["tile_size"],
@@ -177,10 +177,10 @@ func _make_tile(scatter: TerrainScatter3D, tile: Vector2i) -> void:
 		_counts.kept += 1
 		return
 	DirAccess.remove_absolute(path)
-	var failed := _write_whole(path, func(to: FileAccess) -> String: return _write_rows(to, scatter, tile, header))
-	if failed:
-		printerr("bake_world: tile %d,%d failed. %s" % [tile.x, tile.y, failed])
-	_counts["failed" if failed else "made"] += 1
+	var failure := _write_whole(path, func(file: FileAccess) -> String: return _write_rows(file, scatter, tile, header))
+	if failure:
+		printerr("bake_world: tile %d,%d failed. %s" % [tile.x, tile.y, failure])
+	_counts["failed" if failure else "made"] += 1
 
 
 ## Returns true if a tile's file begins with this header, except for the hash, and its content matches the hash in the file.
@@ -188,14 +188,14 @@ func _is_whole(path: String, header: Dictionary) -> bool:
 	var file := FileAccess.open(path, FileAccess.READ) if FileAccess.file_exists(path) else null
 	if file == null or file.get_length() < 4:
 		return false
-	var found := _parsed(file.get_buffer(mini(file.get_32(), message(header).size())))
+	var header_in_file := _parsed(file.get_buffer(mini(file.get_32(), message(header).size())))
 	var expected: Dictionary = _as_json(header)
-	expected.sha256 = found.get("sha256", "")
+	expected.sha256 = header_in_file.get("sha256", "")
 	var hashing := HashingContext.new()
 	hashing.start(HashingContext.HASH_SHA256)
 	while file.get_position() < file.get_length():
 		hashing.update(file.get_buffer(CHUNK_BYTES))
-	return found == expected and hashing.finish().hex_encode() == expected.sha256
+	return header_in_file == expected and hashing.finish().hex_encode() == expected.sha256
 
 
 ## Writes a file with [param write] and moves it to its path once it is complete. Returns the result of [param write],
@@ -207,17 +207,17 @@ func _write_whole(path: String, write: Callable) -> String:
 	if file == null:
 		problem = UNWRITABLE % [path, error_string(error if error != OK else FileAccess.get_open_error())]
 		return ""
-	_stored = 0
-	var failed: String = write.call(file)
+	_stored_bytes = 0
+	var failure: String = write.call(file)
 	file.close()
 	# Closing the file writes the last buffered bytes, and the disk may have been full by then.
-	if not failed and not problem:
-		error = DirAccess.rename_absolute(partial, path) if _length(partial) == _stored else ERR_FILE_CANT_WRITE
+	if not failure and not problem:
+		error = DirAccess.rename_absolute(partial, path) if _length(partial) == _stored_bytes else ERR_FILE_CANT_WRITE
 		if error != OK:
 			problem = UNWRITABLE % [path, error_string(error)]
-	if failed or problem:
+	if failure or problem:
 		DirAccess.remove_absolute(partial)
-	return failed
+	return failure
 
 
 static func _length(path: String) -> int:
@@ -225,33 +225,33 @@ static func _length(path: String) -> int:
 	return file.get_length() if file != null else -1
 
 
-func _store(to: FileAccess, bytes: PackedByteArray) -> String:
-	_stored += bytes.size()
-	if not to.store_buffer(bytes):
-		problem = UNWRITABLE % [to.get_path_absolute(), error_string(to.get_error())]
+func _store(file: FileAccess, bytes: PackedByteArray) -> String:
+	_stored_bytes += bytes.size()
+	if not file.store_buffer(bytes):
+		problem = UNWRITABLE % [file.get_path_absolute(), error_string(file.get_error())]
 	return ""
 
 
 ## Writes all messages of a tile, then the first message again with the final hash. Returns the reason for a failure, or an empty string.
-func _write_rows(to: FileAccess, scatter: TerrainScatter3D, tile: Vector2i, header: Dictionary) -> String:
+func _write_rows(file: FileAccess, scatter: TerrainScatter3D, tile: Vector2i, header: Dictionary) -> String:
 	var hashing := HashingContext.new()
 	hashing.start(HashingContext.HASH_SHA256)
-	_store(to, message(header))
-	for part in _described.grid.parts_of(tile):
-		var rows := rows_of(scatter, part)
+	_store(file, message(header))
+	for game_tile in _description.grid.parts_of(tile):
+		var rows := rows_of(scatter, game_tile)
 		if rows.is_empty():
-			return cannot_make(part)
-		part.bytes = rows.size()
-		for bytes: PackedByteArray in [message(part), rows]:
+			return generation_error(game_tile)
+		game_tile.bytes = rows.size()
+		for bytes: PackedByteArray in [message(game_tile), rows]:
 			hashing.update(bytes)
-			_store(to, bytes)
+			_store(file, bytes)
 		if problem:
 			return ""
 	header.sha256 = hashing.finish().hex_encode()
-	to.seek(0)
-	var stored := _stored
-	_store(to, message(header)) # The first header had the same length.
-	_stored = stored
+	file.seek(0)
+	var total_bytes := _stored_bytes
+	_store(file, message(header)) # The first header had the same length.
+	_stored_bytes = total_bytes
 	return ""
 
 
@@ -264,12 +264,12 @@ static func message(header: Dictionary) -> PackedByteArray:
 
 
 ## Returns the rows of a game tile. If the tile cannot be generated, an error is printed and the result is empty.
-static func rows_of(scatter: TerrainScatter3D, part: Dictionary) -> PackedByteArray:
-	var layer := scatter.get_all_layers()[part["layer"]]
-	var built := scatter.build_tile(layer, Vector2i(part["x"], part["y"]))
-	return built.get_rows() if built.get_mesh_count() > 0 else PackedByteArray()
+static func rows_of(scatter: TerrainScatter3D, game_tile: Dictionary) -> PackedByteArray:
+	var layer := scatter.get_all_layers()[game_tile["layer"]]
+	var instances := scatter.build_tile(layer, Vector2i(game_tile["x"], game_tile["y"]))
+	return instances.get_rows() if instances.get_mesh_count() > 0 else PackedByteArray()
 
 
 ## Returns the error to report if a game tile cannot be generated.
-static func cannot_make(part: Dictionary) -> String:
-	return "Tile %d, %d of layer %d cannot be generated. See the printed error for details." % [part["x"], part["y"], part["layer"]]
+static func generation_error(game_tile: Dictionary) -> String:
+	return "Tile %d, %d of layer %d cannot be generated. See the printed error for details." % [game_tile["x"], game_tile["y"], game_tile["layer"]]

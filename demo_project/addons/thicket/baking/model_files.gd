@@ -10,7 +10,7 @@ const FOLDER := "user://thicket_models"
 ## [code]lods[/code]. Each LOD has the [code]path[/code] of a mesh and the [code]distance[/code] in meters from which it is drawn.
 var models: Array[Dictionary] = []
 ## The bytes of the new files, by their paths relative to the manifest.
-var written: Dictionary[String, PackedByteArray] = {}
+var new_files: Dictionary[String, PackedByteArray] = {}
 ## The path of the material that replaces the materials of all meshes; empty if there is none.
 var material := ""
 ## The error message; empty if there is none.
@@ -57,11 +57,11 @@ static func _name_of(model: Resource, path: String) -> String:
 	return model.resource_name if model.resource_name else path.get_file().get_basename()
 
 
-## Returns the resource's path. If it has none, adds its bytes to [member written] and returns [param file].
+## Returns the resource's path. If it has none, adds its bytes to [member new_files] and returns [param file].
 func _path_of(resource: Resource, file: String) -> String:
-	var own := _own_path(resource)
-	if own:
-		return own
+	var existing_path := _own_path(resource)
+	if existing_path:
+		return existing_path
 	var path := FOLDER.path_join("%d_%s" % [Time.get_ticks_usec(), file.get_file()])
 	var error := WholeFile.save_new(resource, path, ResourceSaver.FLAG_COMPRESS)
 	if error != OK:
@@ -71,6 +71,6 @@ func _path_of(resource: Resource, file: String) -> String:
 	if bytes.is_empty():
 		problem = "Cannot read %s for %s: %s. Check that %s has room and is readable." % [
 			path, file, error_string(FileAccess.get_open_error()), FOLDER]
-	written[file] = bytes
+	new_files[file] = bytes
 	DirAccess.remove_absolute(path)
 	return file

@@ -34,17 +34,17 @@ func _init(request: Dictionary) -> void:
 		_layers.append(layer.strip_edges())
 
 
-## Returns the numbers in a string, separated by [param between], or an empty array if a part of it is not a number.
-static func numbers_in(text: String, between: String) -> Array:
-	var parts := Array(text.split(between))
-	if not parts.all(func(part: String) -> bool: return part.is_valid_float()):
+## Returns the numbers in a string, separated by [param separator], or an empty array if one of them is invalid.
+static func numbers_in(text: String, separator: String) -> Array:
+	var fields := Array(text.split(separator))
+	if not fields.all(func(field: String) -> bool: return field.is_valid_float()):
 		return []
-	return parts.map(func(part: String) -> float: return part.to_float())
+	return fields.map(func(field: String) -> float: return field.to_float())
 
 
 ## Fills [member values] and [member grid]. On an error, returns false and sets [member problem]. The ground is sampled in the baked rectangle.
 func describe(scatter: TerrainScatter3D) -> bool:
-	var layers := _chosen(_layers_of(scatter))
+	var layers := _requested_layers(_layers_of(scatter))
 	var ground_rect: Variant = scatter.ground.get(&"rect") # Some kinds of ground have no rect.
 	var rect := _rect
 	if rect.is_empty() and ground_rect is Rect2:
@@ -62,15 +62,15 @@ func describe(scatter: TerrainScatter3D) -> bool:
 	problem = grid.problem
 	if problem:
 		return false
-	var parts := SceneDigest.parts_of(scatter, Rect2(rect[0], rect[1], rect[2], rect[3]))
+	var digests := SceneDigest.parts_of(scatter, Rect2(rect[0], rect[1], rect[2], rect[3]))
 	var offset := scatter.world_offset
 	var all_layers := scatter.get_all_layers()
 	var columns := {}
 	for layer in layers:
 		columns[str(layer.index)] = all_layers[layer.index].get_row_columns()
 	values = {
-		"seed": str(scatter.seed), "layers": layers, "parts": parts, "world_offset": [offset.x, offset.y, offset.z], "rect": rect,
-		"problems": scatter.get_problems(), "scene_digest": JSON.stringify(parts, "", true).sha256_text(), "thicket": SceneDigest.version(), "columns": columns,
+		"seed": str(scatter.seed), "layers": layers, "parts": digests, "world_offset": [offset.x, offset.y, offset.z], "rect": rect,
+		"problems": scatter.get_problems(), "scene_digest": JSON.stringify(digests, "", true).sha256_text(), "thicket": SceneDigest.version(), "columns": columns,
 		"density": density,
 	}.merged(grid.description())
 	return true
@@ -105,18 +105,18 @@ static func _layers_of(scatter: TerrainScatter3D) -> Array[Dictionary]:
 	return layers
 
 
-func _chosen(layers: Array[Dictionary]) -> Array[Dictionary]:
-	var chosen: Dictionary[int, bool] = {}
+func _requested_layers(layers: Array[Dictionary]) -> Array[Dictionary]:
+	var selected: Dictionary[int, bool] = {}
 	for name in _layers:
-		var found := layers.filter(func(layer: Dictionary) -> bool: return str(layer.index) == name)
-		if found.is_empty():
-			found = layers.filter(func(layer: Dictionary) -> bool: return layer.name == name)
-		if found.is_empty():
-			var known := layers.map(func(layer: Dictionary) -> String: return ("%d %s" % [layer.index, layer.name]).strip_edges())
-			problem = "The scene has no layer '%s'. It has: %s. Set layers to the indices or names of layers." % [name, ", ".join(known)]
-		for layer: Dictionary in found:
-			chosen[layer.index] = true
-	var left := layers.filter(func(layer: Dictionary) -> bool: return chosen.is_empty() or layer.index in chosen)
-	if left.is_empty() and not problem:
+		var matches := layers.filter(func(layer: Dictionary) -> bool: return str(layer.index) == name)
+		if matches.is_empty():
+			matches = layers.filter(func(layer: Dictionary) -> bool: return layer.name == name)
+		if matches.is_empty():
+			var available := layers.map(func(layer: Dictionary) -> String: return ("%d %s" % [layer.index, layer.name]).strip_edges())
+			problem = "The scene has no layer '%s'. It has: %s. Set layers to the indices or names of layers." % [name, ", ".join(available)]
+		for layer: Dictionary in matches:
+			selected[layer.index] = true
+	var result := layers.filter(func(layer: Dictionary) -> bool: return selected.is_empty() or layer.index in selected)
+	if result.is_empty() and not problem:
 		problem = "The scene has no layers: add one to TerrainScatter3D.layers."
-	return left
+	return result

@@ -12,16 +12,16 @@ const PROBES := 33
 ## The file that contains the version of the add-on.
 const PLUGIN := "res://addons/thicket/plugin.cfg"
 ## Resources of which only the class and the path are hashed, because they only determine the appearance of instances.
-const LOOKS: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel", &"Material", &"Shader", &"Shape3D", &"PhysicsMaterial"]
+const APPEARANCE_CLASSES: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel", &"Material", &"Shader", &"Shape3D", &"PhysicsMaterial"]
 
 var _hashing: HashingContext
-var _seen: Dictionary[Object, int] = {}
+var _object_ids: Dictionary[Object, int] = {}
 
 
 ## Returns the hashes of all parts in hexadecimal digits, by readable names. The ground is sampled in [param rect] (x and z in meters).
 static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[String, String]:
-	var parts: Dictionary[String, String] = {}
-	var add := func(part: String, values: Array) -> void: parts[part] = new()._digest(values)
+	var digests: Dictionary[String, String] = {}
+	var add := func(name: String, values: Array) -> void: digests[name] = new()._digest(values)
 	add.call("the add-on", [version()])
 	add.call("the seed", [scatter.seed])
 	add.call("the water", [scatter.water_enabled, scatter.water_level])
@@ -38,16 +38,16 @@ static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[Strin
 	var probes := PackedVector3Array()
 	for row in PROBES:
 		for column in PROBES:
-			var at := rect.position + rect.size * Vector2(column + 0.5, row + 0.5) / PROBES
-			probes.append(Vector3(at.x, 0.0, at.y))
+			var probe_xz := rect.position + rect.size * Vector2(column + 0.5, row + 0.5) / PROBES
+			probes.append(Vector3(probe_xz.x, 0.0, probe_xz.y))
 			heights.append(scatter.ground.get_height(probes[-1]))
 	add.call("the heights of the ground", [heights])
 	for index in layers.size():
 		if layers[index] != null and not layers[index].density_rules.is_empty():
 			add.call("the rules of layer %d (%s)" % [index, layers[index].resource_name], _densities_of(layers[index], scatter.ground, probes, heights))
 	var changes := scatter.state
-	add.call("instances removed and placed by hand", [changes.get_digest() if changes != null and _holds_anything(changes) else 0])
-	return parts
+	add.call("instances removed and placed by hand", [changes.get_digest() if changes != null and _has_changes(changes) else 0])
+	return digests
 
 
 ## Returns the densities of each rule of a layer at those positions that have ground.
@@ -90,7 +90,7 @@ static func _biome_names_of(scatter: TerrainScatter3D) -> Array:
 	return names
 
 
-static func _holds_anything(state: ScatterState) -> bool:
+static func _has_changes(state: ScatterState) -> bool:
 	return state.get_removed_count() > 0 or state.get_added_count() > 0
 
 
@@ -140,15 +140,15 @@ func _add_file(path: String) -> void:
 
 
 func _add_object(object: Object) -> void:
-	if object == null or _seen.has(object):
-		_add_plain(_seen.get(object, -1))
+	if object == null or _object_ids.has(object):
+		_add_plain(_object_ids.get(object, -1))
 		return
-	_seen[object] = _seen.size()
+	_object_ids[object] = _object_ids.size()
 	_add_plain(object.get_class())
 	if object is Resource:
 		var path := (object as Resource).resource_path
 		_add_plain(path.get_slice("::", 0) if path.begins_with("res://") else "")
-		if LOOKS.any(func(kind: StringName) -> bool: return object.is_class(kind)):
+		if APPEARANCE_CLASSES.any(func(type: StringName) -> bool: return object.is_class(type)):
 			return
 		if not "::" in path:
 			_add_file(path)
@@ -166,21 +166,21 @@ func _add_object(object: Object) -> void:
 			return
 	_add_script(object.get_script())
 	for property: Dictionary in object.get_property_list():
-		if property.usage & PROPERTY_USAGE_STORAGE and not _is_left_out(object, property.name):
+		if property.usage & PROPERTY_USAGE_STORAGE and not _is_ignored(object, property.name):
 			_add_plain(property.name)
 			_add(object.get(property.name))
 			if object is Node and property.type == TYPE_NODE_PATH: # The Path3D of a region.
 				_add_object((object as Node).get_node_or_null(object.get(property.name)))
 
 
-func _is_left_out(object: Object, property: StringName) -> bool:
+func _is_ignored(object: Object, property: StringName) -> bool:
 	return property in [&"script", &"resource_name", &"resource_path", &"resource_local_to_scene"] \
 			or (object is ScatterLayer and not (object as ScatterLayer).affects_placement(property))
 
 
 func _add_script(script: Script) -> void:
-	while script != null and not _seen.has(script):
-		_seen[script] = _seen.size()
+	while script != null and not _object_ids.has(script):
+		_object_ids[script] = _object_ids.size()
 		_add_plain(script.source_code)
 		if not script.resource_path.is_empty():
 			for dependency in ResourceLoader.get_dependencies(script.resource_path):

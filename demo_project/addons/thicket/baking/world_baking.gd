@@ -39,8 +39,8 @@ For a driver, use connect=PORT and token=WORD instead of the arguments that appl
 const NO_SCATTER := "is no TerrainScatter3D"
 const NO_GROUND := "is no ground"
 const NOT_SETTLED := "is a scatter that still waits for its ground"
-## How to fix the problems above.
-const REMEDIES: Dictionary[String, String] = {
+## How to fix each of these problems.
+const FIXES: Dictionary[String, String] = {
 	NO_SCATTER: "Add one, or set node to its path.", NO_GROUND: "Set TerrainScatter3D.ground.",
 	NOT_SETTLED: "Increase wait, or check that the ground has heights.",
 }
@@ -51,7 +51,7 @@ const FOR_DRIVER: Array[String] = ["connect", "token"]
 var _tree: SceneTree
 var _peer := StreamPeerTCP.new()
 var _scatter: TerrainScatter3D
-var _described: SceneDescription
+var _description: SceneDescription
 var _arguments: Dictionary[String, String] = {}
 
 
@@ -59,23 +59,23 @@ var _arguments: Dictionary[String, String] = {}
 func _init(tree: SceneTree) -> void:
 	_tree = tree
 	for argument in OS.get_cmdline_user_args():
-		var parts := argument.split("=", true, 1)
-		_arguments[parts[0]] = parts[1] if parts.size() > 1 else ""
+		var key_and_value := argument.split("=", true, 1)
+		_arguments[key_and_value[0]] = key_and_value[1] if key_and_value.size() > 1 else ""
 
 
 ## Serves all requests, over many frames, and then ends the program.
 func run() -> void:
-	var wrong := _what_is_wrong()
-	var folder := BakeToFolder.new(_arguments) if not wrong and _arguments.has("out") else null
+	var fatal_problem := _arguments_problem()
+	var folder := BakeToFolder.new(_arguments) if not fatal_problem and _arguments.has("out") else null
 	if folder != null:
-		wrong = folder.problem
-	elif not wrong and not await _connect():
-		wrong = "connect is '%s', but no driver listens at this port of this machine. Start the driver first, or use out." % _arguments.connect
-	var problem: String = await _open_scene() if not wrong else ""
+		fatal_problem = folder.problem
+	elif not fatal_problem and not await _connect():
+		fatal_problem = "connect is '%s', but no driver listens at this port of this machine. Start the driver first, or use out." % _arguments.connect
+	var problem: String = await _open_scene() if not fatal_problem else ""
 	if folder != null and problem:
-		wrong = problem
-	if wrong:
-		printerr("bake_world: ", wrong)
+		fatal_problem = problem
+	if fatal_problem:
+		printerr("bake_world: ", fatal_problem)
 		_tree.quit(2)
 		return
 	# No frame is processed from here on, so that the scene does not change. The bake runs in a physics frame, because the ground may use ray queries.
@@ -89,13 +89,13 @@ func run() -> void:
 
 
 ## Returns the error in the arguments, or an empty string if there is none.
-func _what_is_wrong() -> String:
+func _arguments_problem() -> String:
 	if not (_arguments.has("out") or _arguments.has("connect")):
 		return "out is missing.\n" + USAGE
-	var known := FOR_ALL + (FOR_FOLDER if _arguments.has("out") else FOR_DRIVER)
+	var allowed := FOR_ALL + (FOR_FOLDER if _arguments.has("out") else FOR_DRIVER)
 	for name in _arguments:
-		if not name in known:
-			return "%s is '%s', which is not an argument. The arguments are: %s." % [name, _arguments[name], ", ".join(known)]
+		if not name in allowed:
+			return "%s is '%s', which is not an argument. The arguments are: %s." % [name, _arguments[name], ", ".join(allowed)]
 	if _arguments.has("wait") and not (_arguments["wait"].is_valid_float() and _arguments["wait"].to_float() >= 0.0):
 		return "wait must be at least 0 seconds, got '%s'." % _arguments["wait"]
 	return ""
@@ -131,13 +131,13 @@ func _open_scene() -> String:
 	while frames < 3 or missing:
 		await _tree.process_frame
 		frames += 1
-		var several := _find_scatter(scene)
-		if several:
-			return several
-		missing = _what_is_missing()
+		var ambiguity := _find_scatter(scene)
+		if ambiguity:
+			return ambiguity
+		missing = _scene_problem()
 		if missing and Time.get_ticks_msec() > deadline:
-			var at: String = " at node '%s'" % _arguments["node"] if _arguments.has("node") else ""
-			return "In the scene %s there %s after %s s%s. %s" % [path, missing, _arguments.get("wait", "120"), at, REMEDIES[missing]]
+			var location: String = " at node '%s'" % _arguments["node"] if _arguments.has("node") else ""
+			return "In the scene %s there %s after %s s%s. %s" % [path, missing, _arguments.get("wait", "120"), location, FIXES[missing]]
 	return ""
 
 
@@ -145,18 +145,18 @@ func _open_scene() -> String:
 func _find_scatter(scene: Node) -> String:
 	if _scatter != null:
 		return ""
-	var found: Array[Node] = []
+	var scatters: Array[Node] = []
 	if _arguments.has("node"):
-		found = [scene.get_node_or_null(_arguments["node"])]
+		scatters = [scene.get_node_or_null(_arguments["node"])]
 	else:
-		found = scene.find_children("*", "TerrainScatter3D", true, false)
+		scatters = scene.find_children("*", "TerrainScatter3D", true, false)
 		if scene is TerrainScatter3D:
-			found.push_front(scene)
-	if found.size() > 1:
-		var paths := found.map(func(node: Node) -> String: return str(scene.get_path_to(node)))
+			scatters.push_front(scene)
+	if scatters.size() > 1:
+		var paths := scatters.map(func(node: Node) -> String: return str(scene.get_path_to(node)))
 		return "The scene has several TerrainScatter3D nodes: set node (--node) to the path of one of them: %s." % ", ".join(paths)
-	if found.size() == 1 and found[0] is TerrainScatter3D:
-		_scatter = found[0]
+	if scatters.size() == 1 and scatters[0] is TerrainScatter3D:
+		_scatter = scatters[0]
 		_scatter.process_mode = Node.PROCESS_MODE_ALWAYS # The scene may pause the game at the start.
 		_scatter.viewers = [^"."] as Array[NodePath]
 		_scatter.viewer_distance_scales = PackedFloat32Array([0.0])
@@ -164,7 +164,7 @@ func _find_scatter(scene: Node) -> String:
 	return ""
 
 
-func _what_is_missing() -> String:
+func _scene_problem() -> String:
 	if _scatter == null:
 		return NO_SCATTER
 	if _scatter.ground == null:
@@ -201,20 +201,20 @@ func _answer(problem: String) -> bool:
 
 
 func _send_description(request: Dictionary) -> bool:
-	_described = SceneDescription.new(request)
-	var fine := _described.problem.is_empty() and _described.describe(_scatter)
-	return _send(_described.values if fine else {"error": _described.problem})
+	_description = SceneDescription.new(request)
+	var is_valid := _description.problem.is_empty() and _description.describe(_scatter)
+	return _send(_description.values if is_valid else {"error": _description.problem})
 
 
 ## Sends the rows of a tile of the most recent description.
 func _send_rows(tile: Array) -> bool:
-	if _described == null or _described.grid == null or _described.problem:
-		return _send({"error": "Rows were requested before describe succeeded: request that first."})
-	for part in _described.grid.parts_of(Vector2i(int(tile[0]), int(tile[1]))):
-		var rows := BakeToFolder.rows_of(_scatter, part)
+	if _description == null or _description.grid == null or _description.problem:
+		return _send({"error": "Rows were requested before describe succeeded: send the request describe first."})
+	for game_tile in _description.grid.parts_of(Vector2i(int(tile[0]), int(tile[1]))):
+		var rows := BakeToFolder.rows_of(_scatter, game_tile)
 		if rows.is_empty():
-			return _send({"error": BakeToFolder.cannot_make(part)})
-		if not _send(part, rows):
+			return _send({"error": BakeToFolder.generation_error(game_tile)})
+		if not _send(game_tile, rows):
 			return false
 	return _send({"end": true})
 
@@ -223,8 +223,8 @@ func _send_models(layers: Array) -> bool:
 	var all_layers := _scatter.get_all_layers()
 	for index: float in layers:
 		var files := ModelFiles.new(all_layers[int(index)], int(index))
-		for file in files.written:
-			if not _send({"file": file}, files.written[file]):
+		for file in files.new_files:
+			if not _send({"file": file}, files.new_files[file]):
 				return false
 		if not _send({"error": files.problem} if files.problem else {"index": int(index), "models": files.models, "material": files.material}):
 			return false
