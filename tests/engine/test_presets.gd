@@ -38,7 +38,7 @@ func test_presets_fill_like_new_layers() -> void:
 			var similar := not layer.spacing.is_empty()
 			for other: String in layer.spacing:
 				var both: Array[float] = [layer.radius, by_name[other].radius]
-				similar = similar and both.min() / both.max() >= NewLayers.SIMILAR
+				similar = similar and both.min() / both.max() >= NewLayers.SIMILARITY
 			check_equal(layer.spacing_fills, similar, "%s of %s fills" % [layer.resource_name, preset_name])
 			filling += int(similar)
 			by_name[layer.resource_name] = layer

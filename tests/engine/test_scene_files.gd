@@ -39,6 +39,6 @@ func test_skipped_resources_are_named() -> void:
 	empty.resource_path = "res://empty.res"
 	var layer := ScatterLayer.new()
 	layer.meshes = [drawn]
-	var sentence := LayerEdits.left_out([drawn, empty, layer], [layer])
+	var sentence := LayerEdits.skipped_message([drawn, empty, layer], [layer])
 	check("res://empty.res" in sentence and not "BoxMesh" in sentence and not "ScatterLayer" in sentence, sentence)
-	check_equal(LayerEdits.left_out([drawn], [layer]), "", "nothing is skipped")
+	check_equal(LayerEdits.skipped_message([drawn], [layer]), "", "nothing is skipped")

@@ -31,7 +31,7 @@ static func button(text: String, icon: StringName, tip: String) -> Button:
 ## Sets the icons of the buttons in a control by their metadata [code]icon[/code]. The icons come from the editor's theme, so call this
 ## when the theme changes, which also happens when the control enters the tree.
 static func update_icons(parent: Control) -> void:
-	for found: Button in parent.find_children("*", "Button", true, false):
-		var icon: StringName = found.get_meta(&"icon", &"")
+	for icon_button: Button in parent.find_children("*", "Button", true, false):
+		var icon: StringName = icon_button.get_meta(&"icon", &"")
 		if icon and parent.has_theme_icon(icon, &"EditorIcons"):
-			found.icon = parent.get_theme_icon(icon, &"EditorIcons")
+			icon_button.icon = parent.get_theme_icon(icon, &"EditorIcons")

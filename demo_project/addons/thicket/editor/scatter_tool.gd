@@ -58,7 +58,7 @@ func draw_over(_overlay: Control) -> void:
 	pass
 
 
-## Updates what the tool shows if anything has changed. Called several times per second, whether the tool is on or not.
+## Updates the tool's display if anything has changed. Called several times per second, whether the tool is on or not.
 func refresh() -> void:
 	pass
 
@@ -86,7 +86,7 @@ func ground() -> ScatterGround:
 
 ## Returns the selected layers that are not locked, which tools may change.
 func unlocked() -> Array[ScatterLayer]:
-	return layers.filter(func(chosen: ScatterLayer) -> bool: return marks == null or not marks.is_locked(chosen))
+	return layers.filter(func(selected_layer: ScatterLayer) -> bool: return marks == null or not marks.is_locked(selected_layer))
 
 
 ## Returns an empty string if a tool may change at least one of the selected layers, otherwise the reason.

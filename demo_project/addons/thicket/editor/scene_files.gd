@@ -16,11 +16,11 @@ const SCENE_UID := "thicket_scene_uid"
 ## The reason why [method create] failed.
 var problem := ""
 
-var _changed: Dictionary[int, WeakRef] = {}
-var _removed: Dictionary[String, PackedByteArray] = {} ## The contents of removed files, including the UIDs by which scenes refer to them.
-var _unwritten: Dictionary[String, bool] = {} ## Unused files whose resources have unsaved changes.
-var _unsaved: Dictionary[String, String] = {} ## New files, each with the scene that will refer to the file once it is saved.
-var _unused: Dictionary[String, String] = {} ## Unused files, each with the scene that may still refer to the file on disk.
+var _changed_resources: Dictionary[int, WeakRef] = {}
+var _removed_contents: Dictionary[String, PackedByteArray] = {} ## The contents of removed files, including the UIDs by which scenes refer to them.
+var _unwritten_paths: Dictionary[String, bool] = {} ## Unused files whose resources have unsaved changes.
+var _unsaved_paths: Dictionary[String, String] = {} ## New files, each with the scene that will refer to the file once it is saved.
+var _unused_paths: Dictionary[String, String] = {} ## Unused files, each with the scene that may still refer to the file on disk.
 
 
 ## Writes a new resource to a file next to the scene [param scene_path]. The file is named after the scene, [param owner_name] and
@@ -30,7 +30,7 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 	if scene_path.is_empty():
 		problem = "The scene has no file yet. Save the scene first: your changes are stored in a file next to it."
 		return false
-	var path := free_path("%s_%s" % [_place(scene_path, owner_name), kind], "res")
+	var path := free_path("%s_%s" % [_path_prefix(scene_path, owner_name), kind], "res")
 	resource.remove_meta(SCENE_UID)
 	var uid := ResourceLoader.get_resource_uid(scene_path)
 	if uid != ResourceUID.INVALID_ID:
@@ -40,17 +40,17 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 		problem = UNWRITABLE % [path, error_string(error)]
 		return false
 	resource.take_over_path(path)
-	_unsaved[path] = scene_path
+	_unsaved_paths[path] = scene_path
 	return true
 
 
 ## Returns the beginning of the paths for files of a layer or a model. The files are next to the resource's file if it has one, otherwise next to the
 ## edited scene, or an empty string if neither has a file.
-static func place_of(owner: Resource) -> String:
+static func path_prefix_of(owner: Resource) -> String:
 	var path := owner.resource_path.get_slice("::", 0)
 	if path.is_empty():
 		path = edited_scene_path()
-	return "" if path.is_empty() else _place(path, owner.resource_name)
+	return "" if path.is_empty() else _path_prefix(path, owner.resource_name)
 
 
 ## Returns the path of the edited scene, or an empty string if there is no scene, or if it was never saved.
@@ -97,7 +97,7 @@ func add_new_to_undo(resources: Array, owner: Resource, undo_redo: EditorUndoRed
 	var scene_path := edited_scene_path()
 	if not Copies.is_file(owner):
 		for resource: Resource in resources:
-			_unsaved[resource.resource_path] = scene_path
+			_unsaved_paths[resource.resource_path] = scene_path
 	add_to_undo(resources, scene_path, undo_redo)
 
 
@@ -118,73 +118,73 @@ func add_to_undo(resources: Array, scene_path: String, undo_redo: EditorUndoRedo
 ## Called when redo uses a resource of [method create] again. Restores the resource's file.
 func keep(resource: Resource, scene_path: String) -> void:
 	var path := resource.resource_path
-	_unused.erase(path)
+	_unused_paths.erase(path)
 	if not FileAccess.file_exists(path):
-		_unsaved[path] = scene_path
-		if (not _put_back(path) or _unwritten.has(path)) and not _write(resource):
+		_unsaved_paths[path] = scene_path
+		if (not _restore(path) or _unwritten_paths.has(path)) and not _write(resource):
 			mark(resource)
-		_unwritten.erase(path)
-	elif _unwritten.erase(path):
+		_unwritten_paths.erase(path)
+	elif _unwritten_paths.erase(path):
 		mark(resource)
 
 
 ## Called when undo stops using a resource of [method create]. Removes the resource's file. If the scene on disk may refer to the file,
 ## the file is kept until the scene is saved.
 func drop(resource: Resource, scene_path: String) -> void:
-	if _changed.erase(resource.get_instance_id()):
-		_unwritten[resource.resource_path] = true
-	if _unsaved.erase(resource.resource_path):
+	if _changed_resources.erase(resource.get_instance_id()):
+		_unwritten_paths[resource.resource_path] = true
+	if _unsaved_paths.erase(resource.resource_path):
 		_remove(resource.resource_path)
 	else:
-		_unused[resource.resource_path] = scene_path
+		_unused_paths[resource.resource_path] = scene_path
 
 
 ## Called when a scene was saved. Keeps the files to which it refers and removes those that it no longer uses.
 func on_scene_saved(scene_path: String) -> void:
-	for path: String in _unsaved.keys():
-		if _unsaved[path] == scene_path:
-			_unsaved.erase(path)
-	for path: String in _unused.keys():
-		if _unused[path] == scene_path:
-			_unused.erase(path)
+	for path: String in _unsaved_paths.keys():
+		if _unsaved_paths[path] == scene_path:
+			_unsaved_paths.erase(path)
+	for path: String in _unused_paths.keys():
+		if _unused_paths[path] == scene_path:
+			_unused_paths.erase(path)
 			_remove(path)
 
 
 ## Called when a scene was closed. Removes the files to which only its unsaved version referred.
 func on_scene_closed(scene_path: String) -> void:
-	for path: String in _unsaved.keys():
-		if _unsaved[path] == scene_path:
-			_unsaved.erase(path)
+	for path: String in _unsaved_paths.keys():
+		if _unsaved_paths[path] == scene_path:
+			_unsaved_paths.erase(path)
 			_remove(path)
 
 
 ## Marks a resource as changed, so that [method save] writes it.
 func mark(resource: Resource) -> void:
-	_changed[resource.get_instance_id()] = weakref(resource)
+	_changed_resources[resource.get_instance_id()] = weakref(resource)
 
 
 ## Writes the marked resources. Resources that are no longer in use, for example after closing a scene without saving it, are not written.
 ## If a file cannot be written, the next call tries again.
 func save() -> void:
-	for id: int in _changed.keys():
-		var resource := _changed[id].get_ref() as Resource
+	for id: int in _changed_resources.keys():
+		var resource := _changed_resources[id].get_ref() as Resource
 		# A resource without its own file is saved with the scene.
 		var has_file := resource != null and not resource.resource_path.is_empty() and not "::" in resource.resource_path
 		if not has_file or _write(resource):
-			_changed.erase(id)
+			_changed_resources.erase(id)
 
 
-func _put_back(path: String) -> bool:
-	return _removed.has(path) and _store(path, _removed[path])
+func _restore(path: String) -> bool:
+	return _removed_contents.has(path) and _store(path, _removed_contents[path])
 
 
 func _remove(path: String) -> void:
 	if not FileAccess.file_exists(path): # The user may have deleted the file.
 		return
-	_removed[path] = FileAccess.get_file_as_bytes(path)
+	_removed_contents[path] = FileAccess.get_file_as_bytes(path)
 	var error := FileAccess.get_open_error()
 	if error != OK: # Without the content, redo writes the resource instead.
-		_removed.erase(path)
+		_removed_contents.erase(path)
 	error = DirAccess.remove_absolute(path)
 	if error != OK:
 		push_error(UNREMOVABLE % [path, error_string(error)])
@@ -192,19 +192,19 @@ func _remove(path: String) -> void:
 
 
 static func _store(path: String, bytes: PackedByteArray) -> bool:
-	return _reported(path, WholeFile.store(path, bytes))
+	return _report(path, WholeFile.store(path, bytes))
 
 
 static func _write(resource: Resource) -> bool:
-	return _reported(resource.resource_path, WholeFile.save(resource, resource.resource_path))
+	return _report(resource.resource_path, WholeFile.save(resource, resource.resource_path))
 
 
-static func _reported(path: String, error: Error) -> bool:
+static func _report(path: String, error: Error) -> bool:
 	if error != OK:
 		push_error(UNWRITABLE % [path, error_string(error)])
 	return error == OK
 
 
-static func _place(path: String, owner_name: String) -> String:
+static func _path_prefix(path: String, owner_name: String) -> String:
 	var name := owner_name.to_snake_case().validate_filename()
 	return "%s_%s" % [path.get_basename(), name if not name.is_empty() else "layer"]

@@ -100,10 +100,10 @@ func update_layers() -> void:
 		var layer := layers[index]
 		if layer != null:
 			_layers.add_item(layer.resource_name if layer.resource_name else "Layer %d" % index, index)
-	var left := chosen.filter(func(layer: ScatterLayer) -> bool: return layer in layers)
-	if left.is_empty():
-		left.assign(layers.filter(func(layer: ScatterLayer) -> bool: return layer != null).slice(0, 1))
-	choose_layers(left)
+	var remaining := chosen.filter(func(layer: ScatterLayer) -> bool: return layer in layers)
+	if remaining.is_empty():
+		remaining.assign(layers.filter(func(layer: ScatterLayer) -> bool: return layer != null).slice(0, 1))
+	choose_layers(remaining)
 
 
 ## Selects the layer at an index of [method TerrainScatter3D.get_all_layers], if there is one.
@@ -115,18 +115,18 @@ func choose_layer(index: int) -> void:
 
 ## Selects layers of the scatter. The first is the main one.
 func choose_layers(layers: Array[ScatterLayer]) -> void:
-	var others := layers != chosen
+	var has_changed := layers != chosen
 	chosen = layers
 	var index := _scatter_layers().find(chosen[0]) if not chosen.is_empty() else -1
 	_layers.select(_layers.get_item_index(index) if index >= 0 else -1)
 	for tool in tools:
-		if others and not tool.layers.is_empty():
+		if has_changed and not tool.layers.is_empty():
 			tool.finish()
 		tool.layers = chosen
 		tool.layer_index = index
 		tool.layer = chosen[0] if index >= 0 else null
 	redraw_requested.emit()
-	if others:
+	if has_changed:
 		layers_chosen.emit()
 
 

@@ -23,7 +23,7 @@ const WaterGizmos := preload("res://addons/thicket/editor/ground/water_gizmos.gd
 const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
 
 ## The time between two updates of the extent and the tools, in seconds.
-const LOOK_SECONDS := 0.25
+const UPDATE_SECONDS := 0.25
 
 ## The row above the 3D view, with the tools.
 var toolbar: Toolbar
@@ -50,10 +50,10 @@ var _help_links: HelpLinks
 var _loose_states: LooseStates
 var _server_export := ServerExport.new()
 var _scatter: TerrainScatter3D
-var _keeps_scatter := false ## True while a node below the scatter is selected instead of the scatter.
-var _shown: Array = []
+var _keeps_scatter := false ## True while a descendant of the scatter is selected instead of the scatter.
+var _shown_state: Array = []
 var _tiles := 0
-var _since_look := 0.0
+var _since_update := 0.0
 
 
 ## Adds the tools to the editor.
@@ -72,7 +72,7 @@ func _init(plugin: EditorPlugin) -> void:
 	plugin.add_control_to_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 	dock.enter(toolbar)
 	dock.panel.preset_chosen.connect(_add_preset)
-	dock.panel.adding.connect(func() -> void: _new_layers.note(_scatter))
+	dock.panel.adding.connect(func() -> void: _new_layers.record_counts(_scatter))
 	dock.panel.added.connect(func() -> void: _new_layers.watch())
 	dock.panel.notes.ground_wanted.connect(ground_buttons.choose)
 	bake = Bake.new()
@@ -139,13 +139,13 @@ func handles(object: Object) -> bool:
 
 ## Sets the node that the tools edit, or null for none.
 func edit(object: Object) -> void:
-	var last := _scatter
+	var last_scatter := _scatter
 	_scatter = object as TerrainScatter3D
 	toolbar.set_scatter(_scatter)
 	dock.set_scatter(_scatter)
 	_extent.scatter = _scatter
 	_water.scatter = _scatter
-	for node: TerrainScatter3D in [last, _scatter]:
+	for node: TerrainScatter3D in [last_scatter, _scatter]:
 		if is_instance_valid(node):
 			node.update_gizmos()
 
@@ -158,7 +158,7 @@ func make_visible(visible: bool) -> void:
 		edit(null)
 
 
-## Keeps the panel and the tools on a scatter while a region or another node below it is selected. Runs after the editor has called
+## Keeps the panel and the tools on a scatter while a region or another descendant of it is selected. Runs after the editor has called
 ## [method make_visible].
 func _on_selection_changed() -> void:
 	var scatter := _scatter_above_selection()
@@ -181,7 +181,7 @@ func _scatter_above_selection() -> TerrainScatter3D:
 	return node as TerrainScatter3D
 
 
-## If a tool is turned on while a node below the scatter is selected, selects the scatter. Tools get input over the 3D view only while it is selected.
+## If a tool is turned on while a descendant of the scatter is selected, selects the scatter. Tools get input over the 3D view only while it is selected.
 func _on_tool_toggled(on: bool) -> void:
 	if on and _keeps_scatter and is_instance_valid(_scatter):
 		EditorInterface.get_selection().clear()
@@ -204,7 +204,7 @@ func _place_ground_buttons(in_toolbar: bool) -> void:
 ## Moves the states of the open scenes to files before a scene is saved.
 func apply_changes() -> void:
 	for root in _open_roots():
-		_loose_states.take_in(root)
+		_loose_states.move_to_files(root)
 
 
 ## Writes painted masks and other changed files when the scene is saved.
@@ -214,16 +214,16 @@ func save_external_data() -> void:
 
 ## Updates everything several times per second. Called in each frame.
 func process(delta: float) -> void:
-	_since_look += delta
-	if _since_look < LOOK_SECONDS:
+	_since_update += delta
+	if _since_update < UPDATE_SECONDS:
 		return
-	_since_look = 0.0
+	_since_update = 0.0
 	_new_layers.refresh()
 	dock.refresh()
 	if is_instance_valid(_scatter):
 		var displayed_state := _state(_scatter)
-		if displayed_state != _shown:
-			_shown = displayed_state
+		if displayed_state != _shown_state:
+			_shown_state = displayed_state
 			_scatter.update_gizmos()
 			toolbar.update_layers()
 	for tool in toolbar.tools:
@@ -260,7 +260,7 @@ func draw_over(overlay: Control) -> void:
 
 func _add_preset(name: String) -> void:
 	if is_instance_valid(_scatter):
-		_new_layers.note(_scatter)
+		_new_layers.record_counts(_scatter)
 		Presets.add(name, _scatter, dock.panel.keeps_apart(), _plugin.get_undo_redo())
 		_new_layers.watch(true)
 		toolbar.update_layers()

@@ -23,14 +23,14 @@ var job := Job.new()
 var edits: HandEdits
 
 var _scatter: TerrainScatter3D
-var _numbers: Array[SpinBox] = []
+var _rect_fields: Array[SpinBox] = []
 var _folder := LineEdit.new()
 var _name := LineEdit.new()
 var _layers := VBoxContainer.new()
 var _draw := Button.new()
 var _replace := CheckBox.new()
 var _bar := ProgressBar.new()
-var _state := Label.new()
+var _status := Label.new()
 var _form := GridContainer.new()
 var _folders := EditorFileDialog.new()
 
@@ -45,11 +45,11 @@ func _init() -> void:
 	rows.add_child(_form)
 	for label: String in ["West (x)", "North (z)", "Width (x)", "Depth (z)"]:
 		var spin := SpinBox.new()
-		spin.min_value = -1e6 if _numbers.size() < 2 else 1.0
+		spin.min_value = -1e6 if _rect_fields.size() < 2 else 1.0
 		spin.max_value = 1e6
 		spin.step = 1.0
 		spin.suffix = "m"
-		_numbers.append(spin)
+		_rect_fields.append(spin)
 		_add_row(label, spin)
 	_draw.text = "Draw in the View"
 	_draw.tooltip_text = "Drag the rectangle over the ground, from corner to corner."
@@ -67,12 +67,12 @@ func _init() -> void:
 	_add_row("Name", _name)
 	_add_row("Layers", _layers)
 	_replace.text = "Replace these instances in the scene"
-	_replace.tooltip_text = "Adds the baked scene below the scatter, and a region that keeps the baked layers out of the rectangle."
+	_replace.tooltip_text = "Adds the baked scene as a child of the scatter, and a region that keeps the baked layers out of the rectangle."
 	rows.add_child(_replace)
 	rows.add_child(_bar)
-	_state.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART
-	_state.custom_minimum_size = Vector2(380.0, 24.0)
-	rows.add_child(_state)
+	_status.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART
+	_status.custom_minimum_size = Vector2(380.0, 24.0)
+	rows.add_child(_status)
 	_folders.file_mode = EditorFileDialog.FILE_MODE_OPEN_DIR
 	_folders.dir_selected.connect(func(folder: String) -> void: _folder.text = folder)
 	add_child(_folders)
@@ -82,8 +82,8 @@ func _init() -> void:
 
 
 ## Opens the dialog for a scatter and offers a rectangle around a world position.
-func open(scatter: TerrainScatter3D, around: Vector3) -> void:
-	fill(scatter, Rect2(Vector2(around.x, around.z).round() - Vector2(SIDE, SIDE) * 0.5, Vector2(SIDE, SIDE)))
+func open(scatter: TerrainScatter3D, center: Vector3) -> void:
+	fill(scatter, Rect2(Vector2(center.x, center.z).round() - Vector2(SIDE, SIDE) * 0.5, Vector2(SIDE, SIDE)))
 	popup_centered()
 
 
@@ -106,7 +106,7 @@ func fill(scatter: TerrainScatter3D, rect: Rect2) -> void:
 			box.set_meta(&"layer", layers[index])
 			_layers.add_child(box)
 	_bar.value = 0.0
-	_state.text = ""
+	_status.text = ""
 
 
 ## Opens the dialog again with the rectangle that was drawn in the view. If drawing was canceled, the
@@ -131,12 +131,12 @@ func choose_folder(folder: String) -> void:
 func start() -> void:
 	if is_processing() or not is_instance_valid(_scatter):
 		return
-	var chosen := _chosen()
-	if chosen.is_empty():
-		_state.text = "No layer is chosen: check at least one under Layers."
+	var layers := _checked_layers()
+	if layers.is_empty():
+		_status.text = "No layer is chosen: check at least one under Layers."
 		return
-	if job.begin(_scatter, _rect(), _folder.text, _name.text, chosen) != OK:
-		_state.text = job.problem
+	if job.begin(_scatter, _rect(), _folder.text, _name.text, layers) != OK:
+		_status.text = job.problem
 		finished.emit(false)
 		return
 	_set_running(true)
@@ -147,7 +147,7 @@ func stop() -> void:
 	if is_processing():
 		job.cancel()
 		_set_running(false)
-		_state.text = "Canceled."
+		_status.text = "Canceled."
 		finished.emit(false)
 
 
@@ -159,40 +159,40 @@ func _process(_delta: float) -> void:
 	if not is_instance_valid(_scatter):
 		stop()
 		return
-	var more := job.step(SLICE_MSEC)
+	var is_unfinished := job.step(SLICE_MSEC)
 	_bar.value = job.progress * 100.0
-	_state.text = "%d instances" % job.instances
-	if more:
+	_status.text = "%d instances" % job.instances
+	if is_unfinished:
 		return
 	_set_running(false)
 	if job.problem.is_empty():
-		_state.text = "%d instances in %s" % [job.instances, job.scene_path]
+		_status.text = "%d instances in %s" % [job.instances, job.scene_path]
 		EditorInterface.get_resource_filesystem().scan()
 		if _replace.button_pressed:
-			var obstacle := Replacement.replace(edits, _scatter, job.scene_path, _rect(), _chosen())
-			_state.text += "" if obstacle.is_empty() else "\n" + obstacle
+			var problem := Replacement.replace(edits, _scatter, job.scene_path, _rect(), _checked_layers())
+			_status.text += "" if problem.is_empty() else "\n" + problem
 	else:
-		_state.text = job.problem
+		_status.text = job.problem
 	finished.emit(job.problem.is_empty())
 
 
 func _show(rect: Rect2) -> void:
 	var numbers: Array[float] = [rect.position.x, rect.position.y, rect.size.x, rect.size.y]
 	for index in 4:
-		_numbers[index].value = numbers[index]
+		_rect_fields[index].value = numbers[index]
 
 
 func _rect() -> Rect2:
-	return Rect2(_numbers[0].value, _numbers[1].value, _numbers[2].value, _numbers[3].value)
+	return Rect2(_rect_fields[0].value, _rect_fields[1].value, _rect_fields[2].value, _rect_fields[3].value)
 
 
-## Returns the checked layers, which are to be baked.
-func _chosen() -> Array[ScatterLayer]:
-	var chosen: Array[ScatterLayer] = []
+## Returns the layers to bake, whose boxes are checked.
+func _checked_layers() -> Array[ScatterLayer]:
+	var layers: Array[ScatterLayer] = []
 	for box: CheckBox in _layers.get_children():
 		if box.button_pressed:
-			chosen.append(box.get_meta(&"layer"))
-	return chosen
+			layers.append(box.get_meta(&"layer"))
+	return layers
 
 
 func _add_row(text: String, control: Control) -> void:
@@ -206,5 +206,5 @@ func _add_row(text: String, control: Control) -> void:
 func _set_running(running: bool) -> void:
 	set_process(running)
 	get_ok_button().disabled = running
-	for spin in _numbers:
+	for spin in _rect_fields:
 		spin.editable = not running

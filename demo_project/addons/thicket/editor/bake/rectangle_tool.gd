@@ -10,7 +10,7 @@ signal drawn(rect: Rect2)
 const HINT := "Drag from corner to corner   Esc cancels"
 const COLOR := Color(0.55, 0.85, 1.0)
 
-var _from := Vector3.INF
+var _start := Vector3.INF
 
 
 func _init() -> void:
@@ -30,39 +30,39 @@ func _on_key(key: InputEventKey) -> int:
 
 
 func _on_motion(_motion: InputEventMouseMotion) -> int:
-	return MINE if _from.is_finite() else NOT_MINE
+	return MINE if _start.is_finite() else NOT_MINE
 
 
 func _on_button(click: InputEventMouseButton) -> void:
-	problem = _place_problem()
+	problem = _position_problem()
 	if click.pressed:
-		_from = _cursor.on_ground if problem.is_empty() else Vector3.INF
-	elif _from.is_finite() and problem.is_empty() and _rect().has_area():
+		_start = _cursor.on_ground if problem.is_empty() else Vector3.INF
+	elif _start.is_finite() and problem.is_empty() and _rect().has_area():
 		_end(_rect())
 	else:
-		_from = Vector3.INF
+		_start = Vector3.INF
 
 
 func _draw_view(overlay: Control) -> void:
-	_cursor.hint(overlay, HINT)
-	if not _from.is_finite() or not _place_problem().is_empty():
+	_cursor.draw_hint(overlay, HINT)
+	if not _start.is_finite() or not _position_problem().is_empty():
 		return
 	var rect := _rect()
 	var corners: Array[Vector2] = [
 		rect.position, Vector2(rect.end.x, rect.position.y), rect.end, Vector2(rect.position.x, rect.end.y), rect.position,
 	]
 	for side in 4:
-		var from := Vector3(corners[side].x, _from.y, corners[side].y)
-		var to := Vector3(corners[side + 1].x, _from.y, corners[side + 1].y)
-		_cursor.draw_path(overlay, _cursor.along_ground(from, to, true), COLOR, 2.0)
+		var start := Vector3(corners[side].x, _start.y, corners[side].y)
+		var end := Vector3(corners[side + 1].x, _start.y, corners[side + 1].y)
+		_cursor.draw_path(overlay, _cursor.along_ground(start, end, true), COLOR, 2.0)
 
 
 func finish() -> void:
-	_from = Vector3.INF
+	_start = Vector3.INF
 
 
 ## Returns the reason why a corner cannot be below the mouse; empty if it can.
-func _place_problem() -> String:
+func _position_problem() -> String:
 	if ground() == null:
 		return _ground_problem("draw on")
 	if not _cursor.on_ground.is_finite():
@@ -79,6 +79,6 @@ func _end(rect: Rect2) -> void:
 ## Returns the rectangle, snapped to whole meters, or to the editor's snap step if snapping is on.
 func _rect() -> Rect2:
 	var step := maxf(0.01, EditorSnap.meters()) if EditorSnap.is_on() else 1.0
-	var from := Vector2(_from.x, _from.z).snapped(Vector2(step, step))
-	var to := Vector2(_cursor.on_ground.x, _cursor.on_ground.z).snapped(Vector2(step, step))
-	return Rect2(from, to - from).abs()
+	var start := Vector2(_start.x, _start.z).snapped(Vector2(step, step))
+	var end := Vector2(_cursor.on_ground.x, _cursor.on_ground.z).snapped(Vector2(step, step))
+	return Rect2(start, end - start).abs()

@@ -15,7 +15,7 @@ const FINENESS := 4.0
 ## most a quarter of the time.
 const PAUSE_MSEC := 60
 ## The minimum radius of a disc in pixels, so that every disc has at least one pixel.
-const LEAST_REACH := 0.75
+const MIN_PIXEL_RADIUS := 0.75
 ## The value of the red channel for land without a biome.
 const NO_INDEX := 255
 
@@ -26,17 +26,17 @@ var files: SceneFiles
 
 var _map: ScatterBiomeMap
 var _image: Image
-var _former: Resource ## The map's image before the stroke.
-var _before: Image
-var _touched := Rect2i() ## The pixels that may have changed.
+var _old_image: Resource ## The map's image before the stroke.
+var _old_pixels: Image
+var _changed_rect := Rect2i() ## The pixels that may have changed.
 var _color := Color.BLACK
 var _title := ""
 var _scatter: TerrainScatter3D
 var _scene_path := ""
-var _last := Vector3.ZERO
+var _last_position := Vector3.ZERO
 var _planet_radius := 0.0 ## The radius of the planet that the map covers; 0 if it is projected along the y axis.
-var _next_reading := 0
-var _unread := false ## True if discs were painted that the map has not read yet.
+var _next_read_msec := 0
+var _is_outdated := false ## True if the map has not read the last discs yet.
 
 
 ## Returns true between [method begin] and [method finish].
@@ -46,68 +46,68 @@ func is_painting() -> bool:
 
 ## Starts a stroke with a disc at a position on the ground. [param index] is the index of the biome, or -1 for land without a
 ## biome. Returns an empty string on success, or the reason for a failure.
-func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector3) -> String:
+func begin(scatter: TerrainScatter3D, index: int, scene_path: String, position: Vector3) -> String:
 	finish(null)
 	var map := scatter.biomes
-	var same := _same_color(map, index)
-	if not same.is_empty():
-		return same
+	var color_problem := _same_color(map, index)
+	if not color_problem.is_empty():
+		return color_problem
 	_planet_radius = SurfacePlace.planet_radius(scatter)
-	if _planet_radius == 0.0 and not map.map_rect.has_point(Vector2(at.x, at.z)):
+	if _planet_radius == 0.0 and not map.map_rect.has_point(Vector2(position.x, position.z)):
 		return "The map ends here: it covers %s. Enlarge the map_rect of the biome map." % map.map_rect
-	_former = map.map_image
+	_old_image = map.map_image
 	_image = _paintable(map, index)
-	if _image != _former and not files.create(scene_path, _image, "biomes", "map"):
+	if _image != _old_image and not files.create(scene_path, _image, "biomes", "map"):
 		return files.problem
 	_map = map
 	_scatter = scatter
 	_scene_path = scene_path
 	_color = _pixel(map, index)
 	_title = "Paint Biome %s" % name_of(map, index)
-	_before = _image.duplicate()
-	_touched = Rect2i()
-	_disc(_place(at))
-	_read()
+	_old_pixels = _image.duplicate()
+	_changed_rect = Rect2i()
+	_paint_disc(_map_position(position))
+	_update_map()
 	return ""
 
 
 ## Continues the stroke to a position on the ground, and adds discs along the way.
-func move(at: Vector3) -> void:
+func move(position: Vector3) -> void:
 	if not is_painting():
 		return
-	for point in StrokePlaces.between(_last, _place(at), radius):
-		_disc(point)
-	if _unread and Time.get_ticks_msec() >= _next_reading:
-		_read()
+	for point in StrokePlaces.between(_last_position, _map_position(position), radius):
+		_paint_disc(point)
+	if _is_outdated and Time.get_ticks_msec() >= _next_read_msec:
+		_update_map()
 
 
 ## Ends the stroke and adds an undo step, unless nothing has changed.
 func finish(undo_redo: EditorUndoRedoManager) -> void:
 	if not is_painting():
 		return
-	if _unread:
-		_read()
+	if _is_outdated:
+		_update_map()
 	var map := _map
 	_map = null
 	_mark(map, _image)
-	var old := _before.get_region(_touched)
-	var new := _image.get_region(_touched)
-	if undo_redo != null and is_instance_valid(_scatter) and (_image != _former or old.get_data() != new.get_data()):
+	var old := _old_pixels.get_region(_changed_rect)
+	var new := _image.get_region(_changed_rect)
+	if undo_redo != null and is_instance_valid(_scatter) and (_image != _old_image or old.get_data() != new.get_data()):
 		undo_redo.create_action(_title, UndoRedo.MERGE_DISABLE, _scatter)
-		undo_redo.add_do_method(self, &"restore", map, _image, new, _touched.position)
-		undo_redo.add_undo_method(self, &"restore", map, _image, old, _touched.position)
-		if _image != _former:
-			undo_redo.add_undo_property(map, &"map_image", _former)
+		undo_redo.add_do_method(self, &"restore", map, _image, new, _changed_rect.position)
+		undo_redo.add_undo_method(self, &"restore", map, _image, old, _changed_rect.position)
+		if _image != _old_image:
+			undo_redo.add_undo_property(map, &"map_image", _old_image)
 			files.add_to_undo([_image], _scene_path, undo_redo)
 		undo_redo.commit_action(false)
-	_before = null
-	_former = null
+	_old_pixels = null
+	_old_image = null
 	_scatter = null
 
 
 ## Restores pixels of the image, and the image of the map. For undo and redo.
-func restore(map: ScatterBiomeMap, image: Image, pixels: Image, at: Vector2i) -> void:
-	image.blit_rect(pixels, Rect2i(Vector2i.ZERO, pixels.get_size()), at)
+func restore(map: ScatterBiomeMap, image: Image, pixels: Image, offset: Vector2i) -> void:
+	image.blit_rect(pixels, Rect2i(Vector2i.ZERO, pixels.get_size()), offset)
 	map.map_image = image
 	_mark(map, image)
 
@@ -123,9 +123,9 @@ static func name_of(map: ScatterBiomeMap, index: int) -> String:
 static func _same_color(map: ScatterBiomeMap, index: int) -> String:
 	if index < 0 or map.map_mode == ScatterBiomeMap.MAP_MODE_INDICES:
 		return ""
-	for earlier in index:
-		if map.biomes[earlier] != null and map.biomes[earlier].color.to_rgba32() >> 8 == map.biomes[index].color.to_rgba32() >> 8:
-			return "%s and %s have the same color: change the color of one of these biomes." % [name_of(map, earlier), name_of(map, index)]
+	for other in index:
+		if map.biomes[other] != null and map.biomes[other].color.to_rgba32() >> 8 == map.biomes[index].color.to_rgba32() >> 8:
+			return "%s and %s have the same color: change the color of one of these biomes." % [name_of(map, other), name_of(map, index)]
 	return ""
 
 
@@ -141,8 +141,8 @@ func _paintable(map: ScatterBiomeMap, index: int) -> Image:
 	if image == null and map.map_image is Texture2D:
 		image = (map.map_image as Texture2D).get_image()
 	if image == null or image.is_empty():
-		var sides := _map_size(map) * (SIDE / maxf(_map_size(map).x, _map_size(map).y))
-		image = Image.create_empty(maxi(roundi(sides.x), 1), maxi(roundi(sides.y), 1), false, _formats(map, index)[0] as Image.Format)
+		var size := _map_size(map) * (SIDE / maxf(_map_size(map).x, _map_size(map).y))
+		image = Image.create_empty(maxi(roundi(size.x), 1), maxi(roundi(size.y), 1), false, _formats(map, index)[0] as Image.Format)
 		image.fill(_pixel(map, 0))
 	var own_file := image.resource_path.is_empty() or "::" in image.resource_path or image.resource_path.get_extension() in ["res", "tres"]
 	var pixel := _map_size(map) / Vector2(image.get_size())
@@ -176,42 +176,42 @@ func _map_size(map: ScatterBiomeMap) -> Vector2:
 	return Vector2(TAU, PI) * _planet_radius if _planet_radius > 0.0 else map.map_rect.size
 
 
-## Returns the place of a position in the map: world x and z or, on a planet, the position relative to its center.
-func _place(at: Vector3) -> Vector3:
-	return _scatter._to_planet(PackedVector3Array([at]))[0] if _planet_radius > 0.0 else Vector3(at.x, 0.0, at.z)
+## Returns the map's coordinates of a position: world x and z or, on a planet, the position relative to its center.
+func _map_position(position: Vector3) -> Vector3:
+	return _scatter._to_planet(PackedVector3Array([position]))[0] if _planet_radius > 0.0 else Vector3(position.x, 0.0, position.z)
 
 
 func _fill(row: Rect2i) -> void:
 	_image.fill_rect(row, _color)
-	_touched = row.merge(_touched) if _touched.has_area() else row
+	_changed_rect = row.merge(_changed_rect) if _changed_rect.has_area() else row
 
 
-func _disc(place: Vector3) -> void:
-	_last = place
-	_unread = true
+func _paint_disc(center: Vector3) -> void:
+	_last_position = center
+	_is_outdated = true
 	if _planet_radius > 0.0:
-		var runs := _map._planet_disc(_planet_radius, place, radius, _image.get_size())
+		var runs := _map._planet_disc(_planet_radius, center, radius, _image.get_size())
 		for index in range(0, runs.size(), 3):
 			_fill(Rect2i(runs[index], runs[index + 1], runs[index + 2], 1))
 		return
-	var at := Vector2(place.x, place.z)
+	var center_xz := Vector2(center.x, center.z)
 	var per_meter := Vector2(_image.get_size()) / _map.map_rect.size
-	var middle := (at - _map.map_rect.position) * per_meter
-	var reach := (per_meter * radius).max(Vector2.ONE * LEAST_REACH)
-	var whole := Rect2i(Vector2i.ZERO, _image.get_size())
-	for y in range(maxi(floori(middle.y - reach.y), 0), mini(ceili(middle.y + reach.y), whole.size.y)):
-		var share := 1.0 - ((y + 0.5 - middle.y) / reach.y) ** 2
-		if share > 0.0:
-			var half := reach.x * sqrt(share)
-			var first := roundi(middle.x - half)
-			var row := Rect2i(first, y, maxi(roundi(middle.x + half) - first, 1), 1).intersection(whole)
+	var center_pixel := (center_xz - _map.map_rect.position) * per_meter
+	var radii := (per_meter * radius).max(Vector2.ONE * MIN_PIXEL_RADIUS)
+	var image_rect := Rect2i(Vector2i.ZERO, _image.get_size())
+	for y in range(maxi(floori(center_pixel.y - radii.y), 0), mini(ceili(center_pixel.y + radii.y), image_rect.size.y)):
+		var squared_fraction := 1.0 - ((y + 0.5 - center_pixel.y) / radii.y) ** 2
+		if squared_fraction > 0.0:
+			var half_width := radii.x * sqrt(squared_fraction)
+			var first := roundi(center_pixel.x - half_width)
+			var row := Rect2i(first, y, maxi(roundi(center_pixel.x + half_width) - first, 1), 1).intersection(image_rect)
 			if row.has_area():
 				_fill(row)
 
 
 ## Sets the image on the map, which then reads it.
-func _read() -> void:
-	var begun := Time.get_ticks_msec()
+func _update_map() -> void:
+	var start_msec := Time.get_ticks_msec()
 	_map.map_image = _image
-	_unread = false
-	_next_reading = Time.get_ticks_msec() + maxi(PAUSE_MSEC, 3 * (Time.get_ticks_msec() - begun))
+	_is_outdated = false
+	_next_read_msec = Time.get_ticks_msec() + maxi(PAUSE_MSEC, 3 * (Time.get_ticks_msec() - start_msec))

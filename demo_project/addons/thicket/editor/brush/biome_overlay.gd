@@ -5,8 +5,8 @@ extends "res://addons/thicket/editor/brush/painted_overlay.gd"
 const OPACITY := 0.4
 
 
-func _color_at(at: Vector2) -> Color:
-	return _color_of((_painted as ScatterBiomeMap).get_biome_at(at))
+func _color_at(world_xz: Vector2) -> Color:
+	return _color_of((_painted as ScatterBiomeMap).get_biome_at(world_xz))
 
 
 func _color_on_planet(from_center: Vector3) -> Color:

@@ -14,7 +14,7 @@ var brush := BiomeBrush.new()
 var overlay := BiomeOverlay.new()
 
 var _biomes := OptionButton.new()
-var _listed: Array = []
+var _rows: Array = []
 
 
 func _init() -> void:
@@ -58,14 +58,14 @@ func _is_painting() -> bool:
 	return brush.is_painting()
 
 
-func _begin_stroke(at: Vector3, _pressed: InputEventMouseButton) -> String:
-	if not _place_problem(at).is_empty():
-		return _place_problem(at)
-	return brush.begin(scatter, _index(), SceneFiles.edited_scene_path(), at)
+func _begin_stroke(point: Vector3, _click: InputEventMouseButton) -> String:
+	if not _position_problem(point).is_empty():
+		return _position_problem(point)
+	return brush.begin(scatter, _index(), SceneFiles.edited_scene_path(), point)
 
 
-func _move_stroke(at: Vector3) -> void:
-	brush.move(at)
+func _move_stroke(point: Vector3) -> void:
+	brush.move(point)
 
 
 ## Returns the map to paint, or null if there is no map with biomes.
@@ -90,13 +90,13 @@ func _list(map: ScatterBiomeMap) -> void:
 			if map.biomes[index] != null:
 				rows.append([BiomeBrush.name_of(map, index), _id(index), map.biomes[index].color])
 		rows.append([BiomeBrush.name_of(map, -1), _id(-1), Color.TRANSPARENT])
-	if rows == _listed:
+	if rows == _rows:
 		return
-	_listed = rows
-	var chosen := _biomes.get_selected_id()
+	_rows = rows
+	var selected_id := _biomes.get_selected_id()
 	_biomes.clear()
 	for row: Array in rows:
 		var swatch := Image.create_empty(SWATCH, SWATCH, false, Image.FORMAT_RGBA8)
 		swatch.fill(row[2])
 		_biomes.add_icon_item(ImageTexture.create_from_image(swatch), row[0], row[1])
-	_biomes.select(maxi(_biomes.get_item_index(chosen), 0) if not rows.is_empty() else -1)
+	_biomes.select(maxi(_biomes.get_item_index(selected_id), 0) if not rows.is_empty() else -1)

@@ -24,7 +24,7 @@ var _title := ""
 var _stroke_mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
 var _scene_path := ""
 var _planet_radius := 0.0 ## The radius of the planet that the masks cover; 0 if they are projected along the y axis.
-var _last := Vector3.ZERO
+var _last_position := Vector3.ZERO
 
 
 ## Returns true between [method begin] and [method finish].
@@ -36,7 +36,7 @@ func is_painting() -> bool:
 ## the mask is empty, so that the layer grows only where it is painted; for erasing, it is full. Returns an empty string
 ## on success, or the reason for a failure.
 func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: String, stroke_mode: ScatterMask.Mode,
-		at: Vector3) -> String:
+		position: Vector3) -> String:
 	finish(null)
 	if SurfacePlace.is_planet(scatter) and not covers_planet(scatter, layers) and layers.any(func(layer: ScatterLayer) -> bool: return layer.on_surfaces):
 		return "Some of these layers grow on all sides of the planet, and some only on its top: select layers of one kind (on_surfaces)."
@@ -46,7 +46,7 @@ func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: S
 			var mask := ScatterMask.new()
 			mask.background = 0.0 if stroke_mode == ScatterMask.MODE_PAINT else 1.0
 			if not files.create(scene_path, mask, layer.resource_name, "mask"):
-				_give_up(scene_path)
+				_discard_strokes(scene_path)
 				return files.problem
 			layer.mask = mask
 			_stroke_of(mask).new_layers.append(layer)
@@ -59,38 +59,38 @@ func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: S
 	_stroke_mode = stroke_mode
 	var verb: String = ["Paint", "Erase", "Smooth"][stroke_mode]
 	_title = "%s Density of %s" % [verb, layers[0].resource_name if layers.size() == 1 else "%d Layers" % layers.size()]
-	_dab(_place(at))
+	_dab(_mask_position(position))
 	return ""
 
 
 ## Continues the stroke to a position on the ground, and adds dabs along the way.
-func move(at: Vector3) -> void:
+func move(position: Vector3) -> void:
 	if not is_painting():
 		return
-	for point in StrokePlaces.between(_last, _place(at), radius):
+	for point in StrokePlaces.between(_last_position, _mask_position(position), radius):
 		_dab(point)
 
 
 ## Ends the stroke and adds an undo step, unless nothing has changed.
 func finish(undo_redo: EditorUndoRedoManager) -> void:
-	var befores: Array[Dictionary] = []
-	var afters: Array[Dictionary] = []
-	var changed := false
+	var old_blocks: Array[Dictionary] = []
+	var new_blocks: Array[Dictionary] = []
+	var has_changed := false
 	for stroke in _strokes:
 		files.mark(stroke.mask)
-		befores.append({})
-		afters.append({})
-		stroke.changes(befores[-1], afters[-1])
-		changed = changed or not stroke.new_layers.is_empty() or not afters[-1].is_empty()
-	if changed and undo_redo != null and is_instance_valid(_scatter):
+		old_blocks.append({})
+		new_blocks.append({})
+		stroke.changes(old_blocks[-1], new_blocks[-1])
+		has_changed = has_changed or not stroke.new_layers.is_empty() or not new_blocks[-1].is_empty()
+	if has_changed and undo_redo != null and is_instance_valid(_scatter):
 		undo_redo.create_action(_title, UndoRedo.MERGE_DISABLE, _scatter)
 		for index in _strokes.size():
 			var stroke := _strokes[index]
 			for layer: ScatterLayer in stroke.new_layers:
 				undo_redo.add_do_property(layer, &"mask", stroke.mask)
 				undo_redo.add_undo_property(layer, &"mask", null)
-			undo_redo.add_do_method(self, &"restore", stroke.mask, afters[index])
-			undo_redo.add_undo_method(self, &"restore", stroke.mask, befores[index])
+			undo_redo.add_do_method(self, &"restore", stroke.mask, new_blocks[index])
+			undo_redo.add_undo_method(self, &"restore", stroke.mask, old_blocks[index])
 			if not stroke.new_layers.is_empty():
 				files.add_to_undo([stroke.mask], _scene_path, undo_redo)
 		undo_redo.commit_action(false)
@@ -109,9 +109,9 @@ static func covers_planet(scatter: TerrainScatter3D, layers: Array[ScatterLayer]
 	return SurfacePlace.is_planet(scatter) and layers.all(func(layer: ScatterLayer) -> bool: return layer.on_surfaces)
 
 
-## Returns the place of a position in the masks: world x and z or, on a planet, the position relative to its center.
-func _place(at: Vector3) -> Vector3:
-	return _scatter._to_planet(PackedVector3Array([at]))[0] if _planet_radius > 0.0 else Vector3(at.x, 0.0, at.z)
+## Returns the masks' coordinates of a position: world x and z or, on a planet, the position relative to its center.
+func _mask_position(position: Vector3) -> Vector3:
+	return _scatter._to_planet(PackedVector3Array([position]))[0] if _planet_radius > 0.0 else Vector3(position.x, 0.0, position.z)
 
 
 ## Returns the stroke on a mask. Layers may share a mask, which is then painted only once.
@@ -124,7 +124,7 @@ func _stroke_of(mask: ScatterMask) -> MaskStroke:
 	return _strokes[-1]
 
 
-func _give_up(scene_path: String) -> void:
+func _discard_strokes(scene_path: String) -> void:
 	for stroke in _strokes:
 		for layer in stroke.new_layers:
 			layer.mask = null
@@ -132,7 +132,7 @@ func _give_up(scene_path: String) -> void:
 	_strokes.clear()
 
 
-func _dab(at: Vector3) -> void:
-	_last = at
+func _dab(position: Vector3) -> void:
+	_last_position = position
 	for stroke in _strokes:
-		stroke.dab(at, radius, strength, hardness, _stroke_mode)
+		stroke.dab(position, radius, strength, hardness, _stroke_mode)

@@ -15,9 +15,9 @@ var _radius: EditorSpinSlider
 func _on_motion(_motion: InputEventMouseMotion) -> int:
 	if not _is_painting():
 		return NOT_MINE
-	var at := _cursor.on_ground
-	if at.is_finite() and _map_problem().is_empty():
-		_move_stroke(at)
+	var point := _cursor.on_ground
+	if point.is_finite() and _map_problem().is_empty():
+		_move_stroke(point)
 	return MINE
 
 
@@ -29,21 +29,21 @@ func _on_button(click: InputEventMouseButton) -> void:
 
 
 func _draw_view(overlay: Control) -> void:
-	if not _place_problem(_cursor.on_ground).is_empty():
+	if not _position_problem(_cursor.on_ground).is_empty():
 		return
 	if SurfacePlace.is_planet(scatter):
 		if not _covers_planet():
-			_cursor.hint(overlay, HINT_PLANET)
+			_cursor.draw_hint(overlay, HINT_PLANET)
 	elif _cursor.is_among_levels():
-		_cursor.hint(overlay, HINT_LEVELS)
+		_cursor.draw_hint(overlay, HINT_LEVELS)
 	_cursor.draw_ring(overlay, _radius.value, _color(), 2.0)
 	_draw_inside(overlay)
 	_cursor.draw_dot(overlay, _color())
 
 
 func _message() -> String:
-	var place_problem := _place_problem(_cursor.on_ground) if _cursor.on_ground.is_finite() else ""
-	return problem if place_problem.is_empty() else place_problem
+	var position_problem := _position_problem(_cursor.on_ground) if _cursor.on_ground.is_finite() else ""
+	return problem if position_problem.is_empty() else position_problem
 
 
 ## Draws additional shapes inside the ring. The individual brushes override it.
@@ -62,20 +62,20 @@ func _is_painting() -> bool:
 
 ## Begins a stroke at a position on the ground, which is not finite if there is no ground. Returns an empty string on
 ## success, or the reason for a failure.
-func _begin_stroke(_at: Vector3, _pressed: InputEventMouseButton) -> String:
+func _begin_stroke(_point: Vector3, _click: InputEventMouseButton) -> String:
 	return ""
 
 
 ## Continues the stroke to a position on the ground.
-func _move_stroke(_at: Vector3) -> void:
+func _move_stroke(_point: Vector3) -> void:
 	pass
 
 
 ## Returns the reason why a stroke cannot begin at a position; empty if it can.
-func _place_problem(at: Vector3) -> String:
+func _position_problem(point: Vector3) -> String:
 	if ground() == null:
 		return _ground_problem("paint on")
-	return NO_GROUND_BELOW if not at.is_finite() else _map_problem()
+	return NO_GROUND_BELOW if not point.is_finite() else _map_problem()
 
 
 ## Returns true if the painted maps cover the planet, and false if they are projected along the y axis or there is no planet.
@@ -112,16 +112,16 @@ func _show_painted(overlay: PaintedOverlay, painted: Resource) -> void:
 		overlay.hide()
 		return
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-	var away := SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
-	var center := camera.global_position - camera.global_basis.z * away
+	var distance := SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
+	var center := camera.global_position - camera.global_basis.z * distance
 	if _covers_planet() or SurfacePlace.map_problem(scatter, center, "", "").is_empty():
-		overlay.show(scatter, center, away)
+		overlay.show(scatter, center, distance)
 	else:
 		overlay.hide()
 
 
-func _slider(label: String, tip: String, from: float, to: float, step: float, value: float,
+func _slider(label: String, tip: String, minimum: float, maximum: float, step: float, value: float,
 		suffix: String) -> EditorSpinSlider:
-	var slider := Controls.slider(label, tip, Vector3(from, to, step), value, suffix, 138.0)
+	var slider := Controls.slider(label, tip, Vector3(minimum, maximum, step), value, suffix, 138.0)
 	add_child(slider)
 	return slider

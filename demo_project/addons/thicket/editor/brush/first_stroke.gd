@@ -4,7 +4,7 @@ extends ConfirmationDialog
 ## chooses the effect of the stroke.
 
 ## Emitted when the user has chosen a brush mode for the stroke that began at a position on the ground.
-signal chosen(mode: ScatterMask.Mode, at: Vector3)
+signal chosen(mode: ScatterMask.Mode, point: Vector3)
 
 const TEXT := "%s grows wherever its rules permit, so there is nothing to add.\n
 Only here: the layer grows only where you paint. %s
@@ -13,7 +13,7 @@ const TEXT_OF_MANY := "%s grow wherever their rules permit, so there is nothing 
 Only here: the layers grow only where you paint. %s
 Not here: the layers stay, except where you paint."
 
-var _at := Vector3.ZERO
+var _point := Vector3.ZERO
 
 
 func _init() -> void:
@@ -24,15 +24,15 @@ func _init() -> void:
 	custom_action.connect(func(_action: StringName) -> void: _choose(ScatterMask.MODE_ERASE))
 
 
-## Opens the dialog for layers with these names and this number of visible instances. [param at] is the position of the stroke.
-func ask(names: PackedStringArray, instances: int, at: Vector3) -> void:
-	_at = at
+## Opens the dialog for layers with these names and this number of visible instances. [param point] is the position of the stroke.
+func ask(names: PackedStringArray, instances: int, point: Vector3) -> void:
+	_point = point
 	var removal_text := "All others of the %d visible instances are removed." % instances if instances > 0 else ""
-	var one := names[0] if names[0] else "The layer"
-	dialog_text = TEXT % [one, removal_text] if names.size() == 1 else TEXT_OF_MANY % [", ".join(names), removal_text]
+	var layer_name := names[0] if names[0] else "The layer"
+	dialog_text = TEXT % [layer_name, removal_text] if names.size() == 1 else TEXT_OF_MANY % [", ".join(names), removal_text]
 	popup_centered()
 
 
 func _choose(mode: ScatterMask.Mode) -> void:
 	hide()
-	chosen.emit(mode, _at)
+	chosen.emit(mode, _point)

@@ -11,7 +11,7 @@ var new_layers: Array[ScatterLayer] = []
 ## The radius of the planet that the mask covers, in meters; 0 if it is projected along the y axis.
 var planet_radius := 0.0
 
-var _before: Dictionary[Vector2i, PackedByteArray] = {}
+var _old_blocks: Dictionary[Vector2i, PackedByteArray] = {}
 
 
 func _init(painted: ScatterMask) -> void:
@@ -20,36 +20,36 @@ func _init(painted: ScatterMask) -> void:
 
 ## Adds a dab at world x and z or, on a planet, at a position relative to its center. The other parameters have the same meaning as in
 ## [method ScatterMask.paint].
-func dab(at: Vector3, radius: float, strength: float, hardness: float, mode: ScatterMask.Mode) -> void:
+func dab(position: Vector3, radius: float, strength: float, hardness: float, mode: ScatterMask.Mode) -> void:
 	if planet_radius > 0.0:
-		for touched in mask.get_pixel_rects_on_planet(planet_radius, at, radius):
-			_store(touched)
-		mask.paint_on_planet(planet_radius, at, radius, strength, hardness, mode)
+		for rect in mask.get_pixel_rects_on_planet(planet_radius, position, radius):
+			_store_blocks(rect)
+		mask.paint_on_planet(planet_radius, position, radius, strength, hardness, mode)
 		return
-	var center := Vector2(at.x, at.z)
-	var reach := Vector2(radius, radius)
-	_store(mask.get_pixel_rect(Rect2(center - reach, 2.0 * reach)))
+	var center := Vector2(position.x, position.z)
+	var half_size := Vector2(radius, radius)
+	_store_blocks(mask.get_pixel_rect(Rect2(center - half_size, 2.0 * half_size)))
 	mask.paint(center, radius, strength, hardness, mode)
 
 
 ## Adds the changed blocks to the dictionaries: [param r_before] gets their pixels before the stroke, and [param r_after] those after it.
 func changes(r_before: Dictionary, r_after: Dictionary) -> void:
-	for block in _before:
-		var now := mask.get_pixels(_pixels(block))
-		if now != _before[block]:
-			r_before[block] = _before[block].compress(FileAccess.COMPRESSION_ZSTD)
-			r_after[block] = now.compress(FileAccess.COMPRESSION_ZSTD)
+	for block in _old_blocks:
+		var pixels := mask.get_pixels(_pixels(block))
+		if pixels != _old_blocks[block]:
+			r_before[block] = _old_blocks[block].compress(FileAccess.COMPRESSION_ZSTD)
+			r_after[block] = pixels.compress(FileAccess.COMPRESSION_ZSTD)
 
 
 ## Stores the blocks that contain these pixels, as they were before the stroke.
-func _store(touched: Rect2i) -> void:
-	var first := _block_of(touched.position)
-	var last := _block_of(touched.end - Vector2i.ONE)
+func _store_blocks(rect: Rect2i) -> void:
+	var first := _block_of(rect.position)
+	var last := _block_of(rect.end - Vector2i.ONE)
 	for y in range(first.y, last.y + 1):
 		for x in range(first.x, last.x + 1):
 			var block := Vector2i(x, y)
-			if not _before.has(block):
-				_before[block] = mask.get_pixels(_pixels(block))
+			if not _old_blocks.has(block):
+				_old_blocks[block] = mask.get_pixels(_pixels(block))
 
 
 ## Writes compressed blocks of pixels to a mask.

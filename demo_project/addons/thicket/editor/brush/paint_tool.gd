@@ -30,16 +30,16 @@ func _init() -> void:
 	_setup("Brush", &"Paint", "Brush: use the left mouse button to paint where the layer grows.")
 	var group := ButtonGroup.new()
 	for mode in MODE_NAMES.size():
-		var choice := Button.new()
-		choice.text = MODE_NAMES[mode]
-		choice.theme_type_variation = &"FlatButton"
-		choice.tooltip_text = MODE_TIPS[mode]
-		choice.toggle_mode = true
-		choice.button_group = group
-		choice.button_pressed = mode == brush.mode
-		choice.pressed.connect(_on_mode.bind(mode))
-		_modes.append(choice)
-		add_child(choice)
+		var mode_button := Button.new()
+		mode_button.text = MODE_NAMES[mode]
+		mode_button.theme_type_variation = &"FlatButton"
+		mode_button.tooltip_text = MODE_TIPS[mode]
+		mode_button.toggle_mode = true
+		mode_button.button_group = group
+		mode_button.button_pressed = mode == brush.mode
+		mode_button.pressed.connect(_on_mode.bind(mode))
+		_modes.append(mode_button)
+		add_child(mode_button)
 	_add_radius(brush.radius)
 	_radius.value_changed.connect(func(value: float) -> void: brush.radius = value)
 	_strength = _slider("Strength", "Strength: the change in density at the center of one dab.", 1.0, 100.0, 1.0, brush.strength * 100.0, "%")
@@ -87,8 +87,8 @@ func _is_painting() -> bool:
 	return brush.is_painting()
 
 
-func _move_stroke(at: Vector3) -> void:
-	brush.move(at)
+func _move_stroke(point: Vector3) -> void:
+	brush.move(point)
 
 
 func _covers_planet() -> bool:
@@ -100,34 +100,34 @@ func _on_mode(mode: ScatterMask.Mode) -> void:
 	redraw_requested.emit()
 
 
-func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
+func _begin_stroke(point: Vector3, click: InputEventMouseButton) -> String:
 	if ground() == null:
-		return _place_problem(at)
+		return _position_problem(point)
 	if layer == null:
 		return "There is nothing to paint: add a layer to %s in the Scatter panel." % scatter.name
 	if not lock_problem().is_empty():
 		return lock_problem()
-	if not _place_problem(at).is_empty():
-		return _place_problem(at)
+	if not _position_problem(point).is_empty():
+		return _position_problem(point)
 	var mode := brush.mode
-	if pressed.shift_pressed:
+	if click.shift_pressed:
 		mode = ScatterMask.MODE_SMOOTH
-	elif pressed.ctrl_pressed:
+	elif click.ctrl_pressed:
 		mode = ScatterMask.MODE_ERASE
-	var unmasked := unlocked().filter(func(chosen: ScatterLayer) -> bool: return chosen.mask == null)
+	var unmasked := unlocked().filter(func(unlocked_layer: ScatterLayer) -> bool: return unlocked_layer.mask == null)
 	if mode == ScatterMask.MODE_PAINT and not unmasked.is_empty():
-		var names := PackedStringArray(unmasked.map(func(chosen: ScatterLayer) -> String: return chosen.resource_name))
+		var names := PackedStringArray(unmasked.map(func(unlocked_layer: ScatterLayer) -> String: return unlocked_layer.resource_name))
 		first_stroke.ask(names, unmasked.reduce(
-				func(sum: int, chosen: ScatterLayer) -> int: return sum + scatter.get_shown_count(chosen), 0), at)
+				func(sum: int, unlocked_layer: ScatterLayer) -> int: return sum + scatter.get_shown_count(unlocked_layer), 0), point)
 		return ""
-	return brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, at)
+	return brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, point)
 
 
 ## Paints a single dab with the mode that the user has chosen in the dialog. The brush keeps that mode.
-func _stroke_once(mode: ScatterMask.Mode, at: Vector3) -> void:
+func _stroke_once(mode: ScatterMask.Mode, point: Vector3) -> void:
 	if not is_instance_valid(scatter) or unlocked().is_empty():
 		return
 	choose_mode(mode)
-	problem = brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, at)
+	problem = brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, point)
 	finish()
 	redraw_requested.emit()

@@ -20,9 +20,9 @@ func watch(painted: Resource) -> void:
 		_painted.connect(_change(), _on_changed)
 
 
-## Draws the resource on the ground around a position. The view is [param away] meters from that position. Has no effect if nothing has changed.
-func show(scatter: TerrainScatter3D, around: Vector3, away: float) -> void:
-	cover(scatter, around, away, [_painted, _version, planet_radius], _sample.bind(scatter), INF, planet_radius > 0.0)
+## Draws the resource on the ground around a position. The view is [param distance] meters from that position. Has no effect if nothing has changed.
+func show(scatter: TerrainScatter3D, center: Vector3, distance: float) -> void:
+	cover(scatter, center, distance, [_painted, _version, planet_radius], _sample.bind(scatter), INF, planet_radius > 0.0)
 	while not is_complete(): # A stroke must be visible immediately.
 		work(100000)
 
@@ -45,7 +45,7 @@ func _change() -> StringName:
 
 
 ## Returns the color at world x and z.
-func _color_at(_at: Vector2) -> Color:
+func _color_at(_world_xz: Vector2) -> Color:
 	return Color.TRANSPARENT
 
 

@@ -7,12 +7,12 @@ const SPACING := 0.25
 
 
 ## Returns the positions of the next dabs from the last dab toward a position.
-static func between(last: Vector3, at: Vector3, radius: float) -> PackedVector3Array:
+static func between(last: Vector3, target: Vector3, radius: float) -> PackedVector3Array:
 	var step := maxf(radius * SPACING, 0.01)
-	var way := at - last
-	var direction := way.normalized()
+	var offset := target - last
+	var direction := offset.normalized()
 	var points := PackedVector3Array()
-	for dab in floori(way.length() / step):
+	for dab in floori(offset.length() / step):
 		last += direction * step
 		points.append(last)
 	return points

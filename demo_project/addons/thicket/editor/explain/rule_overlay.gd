@@ -26,23 +26,23 @@ var _kind := Kind.NOTHING
 var _name := ""
 
 
-## Draws values of the layer at an index, around a position on the ground. The view is [param away] meters from that
+## Draws values of the layer at an index, around a position on the ground. The view is [param distance] meters from that
 ## position. Has no effect if the arguments are the same as last time. [param version] must change when the settings
 ## change.
-func show(scatter: TerrainScatter3D, kind: Kind, layer: int, around: Vector3, away: float, version: int) -> void:
+func show(scatter: TerrainScatter3D, kind: Kind, layer: int, center: Vector3, distance: float, version: int) -> void:
 	var layers := ScatterLayers.of(scatter)
-	var chosen: ScatterLayer = layers[layer] if layer >= 0 and layer < layers.size() else null
-	if kind == Kind.NOTHING or (chosen == null and kind != Kind.SLOPE):
+	var scatter_layer: ScatterLayer = layers[layer] if layer >= 0 and layer < layers.size() else null
+	if kind == Kind.NOTHING or (scatter_layer == null and kind != Kind.SLOPE):
 		return hide()
 	_kind = kind
-	_name = "" if chosen == null else str(chosen.resource_name) if chosen.resource_name else "Layer %d" % layer
+	_name = "" if scatter_layer == null else str(scatter_layer.resource_name) if scatter_layer.resource_name else "Layer %d" % layer
 	# Points are about a radius apart, so with larger quads their ranks would look like noise.
-	var largest: float = chosen.radius * 0.5 if kind == Kind.RANK else INF
-	cover(scatter, around, away, [kind, layer, version], _ask.bind(scatter, kind, chosen), largest, on_side(scatter, kind, chosen))
+	var max_quad: float = scatter_layer.radius * 0.5 if kind == Kind.RANK else INF
+	cover(scatter, center, distance, [kind, layer, version], _sample_colors.bind(scatter, kind, scatter_layer), max_quad, covers_planet(scatter, kind, scatter_layer))
 
 
-## Returns true if values can be shown on all sides of a planet.
-static func on_side(scatter: TerrainScatter3D, kind: Kind, layer: ScatterLayer) -> bool:
+## Returns true if the ground is a planet and the values can be shown on all of its sides.
+static func covers_planet(scatter: TerrainScatter3D, kind: Kind, layer: ScatterLayer) -> bool:
 	return SurfacePlace.is_planet(scatter) and (kind == Kind.SLOPE or kind == Kind.DENSITY and layer != null and layer.on_surfaces)
 
 
@@ -62,23 +62,23 @@ func draw_legend(overlay: Control) -> void:
 	const STEPS := 44
 	for step in STEPS:
 		var color := _scales[_kind].sample(step / (STEPS - 1.0))
-		var part := Rect2(bar.position + Vector2(bar.size.x * step / STEPS, 0.0), Vector2(bar.size.x / STEPS + 0.5, bar.size.y))
-		overlay.draw_rect(part, Color(color, 1.0))
+		var step_rect := Rect2(bar.position + Vector2(bar.size.x * step / STEPS, 0.0), Vector2(bar.size.x / STEPS + 0.5, bar.size.y))
+		overlay.draw_rect(step_rect, Color(color, 1.0))
 	var title := NAMES[_kind] if _kind == Kind.SLOPE else "%s of %s" % [NAMES[_kind], _name]
 	overlay.draw_string(font, bar.position - Vector2(0.0, 8.0), title, HORIZONTAL_ALIGNMENT_LEFT, bar.size.x, size)
 	var ends: Array = {
 		Kind.DENSITY: ["0: nothing", "1: all"], Kind.SLOPE: ["0°: flat", "90°"], Kind.RANK: ["0: removed last", "1: removed first"],
 	}[_kind]
-	var below := bar.position + Vector2(0.0, bar.size.y + size)
-	overlay.draw_string(font, below, ends[0], HORIZONTAL_ALIGNMENT_LEFT, bar.size.x, size - 2)
-	overlay.draw_string(font, below, ends[1], HORIZONTAL_ALIGNMENT_RIGHT, bar.size.x, size - 2)
+	var label_position := bar.position + Vector2(0.0, bar.size.y + size)
+	overlay.draw_string(font, label_position, ends[0], HORIZONTAL_ALIGNMENT_LEFT, bar.size.x, size - 2)
+	overlay.draw_string(font, label_position, ends[1], HORIZONTAL_ALIGNMENT_RIGHT, bar.size.x, size - 2)
 
 
-func _ask(rect: Rect2, size: Vector2i, positions: PackedVector3Array, scatter: TerrainScatter3D, kind: Kind, layer: ScatterLayer) -> PackedColorArray:
+func _sample_colors(rect: Rect2, size: Vector2i, positions: PackedVector3Array, scatter: TerrainScatter3D, kind: Kind, layer: ScatterLayer) -> PackedColorArray:
 	var values: PackedFloat32Array
 	match kind:
-		Kind.DENSITY: values = scatter._densities_at(layer, positions) if on_side(scatter, kind, layer) else scatter.get_density_map(layer, rect, size)
-		Kind.SLOPE: values = scatter._slopes_at(positions) if on_side(scatter, kind, layer) else scatter.get_slope_map(rect, size)
+		Kind.DENSITY: values = scatter._densities_at(layer, positions) if covers_planet(scatter, kind, layer) else scatter.get_density_map(layer, rect, size)
+		Kind.SLOPE: values = scatter._slopes_at(positions) if covers_planet(scatter, kind, layer) else scatter.get_slope_map(rect, size)
 		Kind.RANK: values = scatter.get_rank_map(layer, rect, size)
 	var colors := PackedColorArray()
 	for value in values:

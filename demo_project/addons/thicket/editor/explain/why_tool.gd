@@ -19,8 +19,8 @@ var pinned := Vector3.INF
 
 var _colors := OptionButton.new()
 var _color_problem := "" ## The reason why there are no colors; empty if they are shown or not requested.
-var _asked_at := 0
-var _explained := Vector3.INF
+var _explained_msec := 0
+var _explained_position := Vector3.INF
 var _version := 0 ## Increases with each change to the settings.
 var _state: Array = []
 var _camera: Camera3D
@@ -57,30 +57,30 @@ func _on_motion(_motion: InputEventMouseMotion) -> int:
 func _on_button(click: InputEventMouseButton) -> void:
 	if not click.pressed:
 		return
-	var lets_go := pinned.is_finite() and _place_of(pinned).distance_to(_place_of(_cursor.on_ground)) < NEAR
-	pinned = Vector3.INF if lets_go else _cursor.on_ground
+	var is_on_pin := pinned.is_finite() and _overlay_position(pinned).distance_to(_overlay_position(_cursor.on_ground)) < NEAR
+	pinned = Vector3.INF if is_on_pin else _cursor.on_ground
 	_explain(_cursor.on_ground, true)
 
 
-func draw_over(over: Control) -> void:
-	overlay.draw_legend(over)
-	super(over)
+func draw_over(view_overlay: Control) -> void:
+	overlay.draw_legend(view_overlay)
+	super(view_overlay)
 
 
-func _draw_view(over: Control) -> void:
+func _draw_view(view_overlay: Control) -> void:
 	if not _color_problem.is_empty():
-		_cursor.hint(over, _color_problem)
+		_cursor.draw_hint(view_overlay, _color_problem)
 	if panel.rows.is_empty():
 		return
-	var at := pinned if pinned.is_finite() else _cursor.on_ground
-	if not at.is_finite():
-		panel.draw(over, _cursor.mouse(), false)
+	var point := pinned if pinned.is_finite() else _cursor.on_ground
+	if not point.is_finite():
+		panel.draw(view_overlay, _cursor.mouse(), false)
 		return
-	if _camera.is_position_behind(at):
+	if _camera.is_position_behind(point):
 		return
-	over.draw_circle(_cursor.to_overlay(at), 4.0, Color.BLACK)
-	over.draw_circle(_cursor.to_overlay(at), 3.0, Color.WHITE)
-	panel.draw(over, _cursor.to_overlay(at), pinned.is_finite())
+	view_overlay.draw_circle(_cursor.to_overlay(point), 4.0, Color.BLACK)
+	view_overlay.draw_circle(_cursor.to_overlay(point), 3.0, Color.WHITE)
+	panel.draw(view_overlay, _cursor.to_overlay(point), pinned.is_finite())
 
 
 func refresh() -> void:
@@ -93,12 +93,12 @@ func refresh() -> void:
 	if _colors.selected == RuleOverlay.Kind.NOTHING or ground() == null:
 		overlay.hide()
 		return
-	var away := SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
-	var center := camera.global_position - camera.global_basis.z * away
-	if not RuleOverlay.on_side(scatter, _colors.selected as RuleOverlay.Kind, layer):
+	var distance := SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
+	var center := camera.global_position - camera.global_basis.z * distance
+	if not RuleOverlay.covers_planet(scatter, _colors.selected as RuleOverlay.Kind, layer):
 		_color_problem = SurfacePlace.map_problem(scatter, center, "These colors are computed along the y axis and are shown", "Turn the view there.")
 	if _color_problem.is_empty():
-		overlay.show(scatter, _colors.selected as RuleOverlay.Kind, layer_index, center, away, _version)
+		overlay.show(scatter, _colors.selected as RuleOverlay.Kind, layer_index, center, distance, _version)
 	else:
 		overlay.hide()
 
@@ -106,13 +106,13 @@ func refresh() -> void:
 func finish() -> void:
 	pinned = Vector3.INF
 	panel.rows.clear()
-	_explained = Vector3.INF
+	_explained_position = Vector3.INF
 	_cursor.clear()
 
 
 func _process(_delta: float) -> void:
 	overlay.work(RuleOverlay.BUDGET)
-	if is_on() and not pinned.is_finite() and _cursor.on_ground != _explained:
+	if is_on() and not pinned.is_finite() and _cursor.on_ground != _explained_position:
 		_explain(_cursor.on_ground, false) # The mouse has stopped, so the last position is still to be explained.
 
 
@@ -122,7 +122,7 @@ func _on_toggled() -> void:
 	refresh()
 
 
-func _place_of(position: Vector3) -> Vector2:
+func _overlay_position(position: Vector3) -> Vector2:
 	return _cursor.to_overlay(position) if position.is_finite() and not _camera.is_position_behind(position) else Vector2.INF
 
 
@@ -137,17 +137,17 @@ func _update_after_changes() -> void:
 		_explain(pinned if pinned.is_finite() else _cursor.on_ground, true)
 
 
-func _explain(at: Vector3, at_once: bool) -> void:
-	if not at_once and (Time.get_ticks_msec() - _asked_at < PAUSE or at == _explained):
+func _explain(point: Vector3, is_immediate: bool) -> void:
+	if not is_immediate and (Time.get_ticks_msec() - _explained_msec < PAUSE or point == _explained_position):
 		return
-	_asked_at = Time.get_ticks_msec()
-	_explained = at
+	_explained_msec = Time.get_ticks_msec()
+	_explained_position = point
 	if ground() == null:
 		panel.show_message(_ground_problem("explain"))
 	elif ScatterLayers.of(scatter).is_empty():
 		panel.show_message("There is nothing to explain: add a layer to %s in the Scatter panel." % scatter.name)
-	elif not at.is_finite():
+	elif not point.is_finite():
 		panel.rows.clear()
 	else:
-		panel.fill(scatter.explain_position(at), layer, at)
+		panel.fill(scatter.explain_position(point), layer, point)
 	redraw_requested.emit()

@@ -16,8 +16,8 @@ func _begin_customize_resources(_platform: EditorExportPlatform, _features: Pack
 ## Adds the data of a resource with its own file only when that file ([param path]) is exported. While another file that
 ## contains the resource is exported, the editor may be using the same object, which must not change.
 func _customize_resource(resource: Resource, path: String) -> Resource:
-	var is_elsewhere := path.is_empty() and resource.resource_path.begins_with("res://") and not "::" in resource.resource_path
-	return resource if not is_elsewhere and _embed(resource) else null
+	var has_other_file := path.is_empty() and resource.resource_path.begins_with("res://") and not "::" in resource.resource_path
+	return resource if not has_other_file and _embed(resource) else null
 
 
 func _embed(resource: Resource) -> bool:
@@ -35,10 +35,10 @@ func _get_customization_configuration_hash() -> int:
 
 
 func _hash_of(folder: EditorFileSystemDirectory) -> int:
-	var known: Array = []
+	var entries: Array = []
 	for index in folder.get_file_count():
 		var path := folder.get_file_path(index)
-		known.append_array([path, FileAccess.get_modified_time(path), FileAccess.get_modified_time(path + ".import")])
+		entries.append_array([path, FileAccess.get_modified_time(path), FileAccess.get_modified_time(path + ".import")])
 	for index in folder.get_subdir_count():
-		known.append(_hash_of(folder.get_subdir(index)))
-	return hash(known)
+		entries.append(_hash_of(folder.get_subdir(index)))
+	return hash(entries)

@@ -31,20 +31,20 @@ func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	if gizmo.get_node_3d() != scatter or SurfacePlace.is_planet(scatter):
 		return
 	var edges: Array[PackedVector2Array] = []
-	var seen := {}
+	var drawn_extents := {}
 	for layer in ScatterLayers.of(scatter):
 		if layer == null:
 			continue
-		var reach := Vector2(layer.tile_size, layer.view_distance)
-		if not seen.has(reach):
-			seen[reach] = true
-			_add_edges(edges, scatter.get_shown_tiles(layer), reach.x)
+		var extent := Vector2(layer.tile_size, layer.view_distance)
+		if not drawn_extents.has(extent):
+			drawn_extents[extent] = true
+			_add_edges(edges, scatter.get_shown_tiles(layer), extent.x)
 	if edges.is_empty():
 		return
 	var lines := GroundLines.new(scatter)
-	var pieces := maxi(1, MOST_HEIGHTS / edges.size())
+	var pieces_per_edge := maxi(1, MOST_HEIGHTS / edges.size())
 	for edge in edges:
-		lines.add(edge, false, maxf(2.0, edge[0].distance_to(edge[1]) / pieces))
+		lines.add(edge, false, maxf(2.0, edge[0].distance_to(edge[1]) / pieces_per_edge))
 	gizmo.add_lines(lines.segments, _line)
 
 
@@ -56,6 +56,6 @@ static func _add_edges(edges: Array[PackedVector2Array], tiles: Array, size: flo
 	for tile: Vector2i in tiles:
 		for side in SIDES.size():
 			if not visible_keys.has(tile + SIDES[side]):
-				var middle := Vector2(tile) + Vector2(0.5, 0.5) + Vector2(SIDES[side]) * 0.5
-				var half := Vector2(SIDES[side]).orthogonal() * 0.5
-				edges.append(PackedVector2Array([(middle - half) * size, (middle + half) * size]))
+				var edge_center := Vector2(tile) + Vector2(0.5, 0.5) + Vector2(SIDES[side]) * 0.5
+				var half_edge := Vector2(SIDES[side]).orthogonal() * 0.5
+				edges.append(PackedVector2Array([(edge_center - half_edge) * size, (edge_center + half_edge) * size]))

@@ -14,7 +14,7 @@ var _use := Controls.button("Use as Ground", &"MeshInstance3D", "")
 var _add := Controls.button("Add to Ground", &"Add", "")
 var _refresh := Controls.button("Refresh Ground", &"Reload",
 		"Read the ground again after changes that emit no signal. Nodes that move in the scene are detected automatically.")
-var _last: TerrainScatter3D ## The last scatter that was selected.
+var _last_scatter: TerrainScatter3D ## The last scatter that was selected.
 
 
 func _init(manager: EditorUndoRedoManager) -> void:
@@ -39,42 +39,42 @@ func update() -> void:
 	var selected := EditorInterface.get_selection().get_selected_nodes()
 	var scatters := selected.filter(func(node: Node) -> bool: return node is TerrainScatter3D)
 	if not scatters.is_empty():
-		_last = scatters[0]
+		_last_scatter = scatters[0]
 	var scatter := _current_scatter()
-	var grounds := _grounds_of(selected)
-	visible = scatter != null and not (scatters.is_empty() and grounds.is_empty())
+	var ground_nodes := _grounds_of(selected)
+	visible = scatter != null and not (scatters.is_empty() and ground_nodes.is_empty())
 	_refresh.visible = visible and not scatters.is_empty() and scatter.ground != null
-	_add.visible = visible and _replaces(scatter, grounds)
+	_add.visible = visible and _replaces(scatter, ground_nodes)
 	if visible:
-		var added := "." if not _add.visible else ", in addition to its current ground. The highest ground is used."
-		_use.tooltip_text = "Choose a mesh, a static body or a terrain as the ground of %s." % scatter.name if grounds.is_empty() \
-				else "Make the selected %s the ground of %s." % [_names(grounds), scatter.name]
-		_add.tooltip_text = _use.tooltip_text.trim_suffix(".") + added
+		var addition := "." if not _add.visible else ", in addition to its current ground. The highest ground is used."
+		_use.tooltip_text = "Choose a mesh, a static body or a terrain as the ground of %s." % scatter.name if ground_nodes.is_empty() \
+				else "Make the selected %s the ground of %s." % [_names(ground_nodes), scatter.name]
+		_add.tooltip_text = _use.tooltip_text.trim_suffix(".") + addition
 
 
 ## Makes nodes the ground of a scatter, as one undo step. Meshes are added to the group of its ground, and the layers of
 ## bodies to the ground's collision mask. Ground of another kind is replaced, or combined with the new ground if [param
-## added] is [code]true[/code]. Returns an empty string on success, or the reason why nothing was changed.
-static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUndoRedoManager, added := false) -> String:
-	var present := _parts(scatter, added)
+## is_addition] is [code]true[/code]. Returns an empty string on success, or the reason why nothing was changed.
+static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUndoRedoManager, is_addition := false) -> String:
+	var current_grounds := _parts(scatter, is_addition)
 	var terrains := nodes.filter(_is_terrain)
 	if not terrains.is_empty():
-		return _use_terrain(scatter, terrains, present, manager, added)
-	var meshes := _chosen_meshes(nodes, present)
+		return _use_terrain(scatter, terrains, current_grounds, manager, is_addition)
+	var meshes := _meshes_to_use(nodes, current_grounds)
 	var bodies := nodes.filter(_has_bodies)
 	if meshes.is_empty() and bodies.is_empty():
 		return ("%s cannot be ground: select a StaticBody3D, a MeshInstance3D with a mesh, a GridMap, a CSG node, a terrain of a plugin, or a node " \
-				+ "that has meshes below it.") % _names(nodes)
-	return _use_bodies(scatter, bodies, present, manager, added) if meshes.is_empty() else _use_meshes(scatter, meshes, present, manager, added)
+				+ "whose descendants include meshes.") % _names(nodes)
+	return _use_bodies(scatter, bodies, current_grounds, manager, is_addition) if meshes.is_empty() else _use_meshes(scatter, meshes, current_grounds, manager, is_addition)
 
 
 ## Returns whether [method use] would replace the ground of a scatter. Without nodes, returns whether it has a ground.
 static func _replaces(scatter: TerrainScatter3D, nodes: Array[Node]) -> bool:
-	var present := _parts(scatter, false)
+	var grounds := _parts(scatter, false)
 	if nodes.any(_is_terrain):
-		return not present.is_empty()
-	var fitting := _first(present, ScatterGroundColliders if _chosen_meshes(nodes, present).is_empty() else ScatterGroundMeshes)
-	return not present.is_empty() and (nodes.is_empty() or fitting == null)
+		return not grounds.is_empty()
+	var extendable := _first(grounds, ScatterGroundColliders if _meshes_to_use(nodes, grounds).is_empty() else ScatterGroundMeshes)
+	return not grounds.is_empty() and (nodes.is_empty() or extendable == null)
 
 
 ## Returns the ground of a scatter in an array, or the grounds that it combines if [param combined] is [code]true[/code].
@@ -94,17 +94,17 @@ static func _first(grounds: Array[ScatterGround], of_class: Variant) -> ScatterG
 
 
 ## Returns the meshes that become ground. A static body is treated as a collider unless meshes are already ground.
-static func _chosen_meshes(nodes: Array[Node], present: Array[ScatterGround]) -> Array[Node]:
+static func _meshes_to_use(nodes: Array[Node], grounds: Array[ScatterGround]) -> Array[Node]:
 	var meshes: Array[Node] = []
 	for node in nodes:
-		if not (_has_bodies(node) or _is_terrain(node)) or node is StaticBody3D and _first(present, ScatterGroundMeshes) != null:
+		if not (_has_bodies(node) or _is_terrain(node)) or node is StaticBody3D and _first(grounds, ScatterGroundMeshes) != null:
 			meshes.append_array(_meshes_of(node))
 	return meshes
 
 
 static func _use_meshes(
-		scatter: TerrainScatter3D, meshes: Array[Node], present: Array[ScatterGround], manager: EditorUndoRedoManager, added: bool) -> String:
-	var ground := _first(present, ScatterGroundMeshes) as ScatterGroundMeshes
+		scatter: TerrainScatter3D, meshes: Array[Node], grounds: Array[ScatterGround], manager: EditorUndoRedoManager, is_addition: bool) -> String:
+	var ground := _first(grounds, ScatterGroundMeshes) as ScatterGroundMeshes
 	var group := ground.group if ground != null else &""
 	var new_group := group if group else StringName(str(scatter.name).to_snake_case() + "_ground")
 	meshes = meshes.filter(func(mesh: Node) -> bool: return not mesh.is_in_group(new_group))
@@ -112,7 +112,7 @@ static func _use_meshes(
 		return "This is already the ground of %s." % scatter.name
 	manager.create_action("Use as Ground", UndoRedo.MERGE_DISABLE, scatter)
 	var root := EditorInterface.get_edited_scene_root()
-	for instance in _closed_instances(meshes):
+	for instance in _instances_to_open(meshes):
 		manager.add_do_method(root, &"set_editable_instance", instance, true)
 		manager.add_undo_method(root, &"set_editable_instance", instance, false)
 	for mesh in meshes:
@@ -121,7 +121,7 @@ static func _use_meshes(
 	if ground == null:
 		var new_ground := ScatterGroundMeshes.new()
 		new_ground.group = new_group
-		_set_ground(scatter, new_ground, manager, added)
+		_set_ground(scatter, new_ground, manager, is_addition)
 	elif not group:
 		manager.add_do_property(ground, &"group", new_group)
 		manager.add_undo_property(ground, &"group", group)
@@ -130,7 +130,7 @@ static func _use_meshes(
 
 
 static func _use_bodies(
-		scatter: TerrainScatter3D, bodies: Array[Node], present: Array[ScatterGround], manager: EditorUndoRedoManager, added: bool) -> String:
+		scatter: TerrainScatter3D, bodies: Array[Node], grounds: Array[ScatterGround], manager: EditorUndoRedoManager, is_addition: bool) -> String:
 	var layers := 0
 	for body in bodies:
 		if _is_voxels(body) and body.get(&"generate_collisions") == false:
@@ -139,7 +139,7 @@ static func _use_bodies(
 		layers |= layer
 	if layers == 0:
 		return "collision_layer of %s is 0, so no ray can hit it: set at least one layer." % _names(bodies)
-	var ground := _first(present, ScatterGroundColliders) as ScatterGroundColliders
+	var ground := _first(grounds, ScatterGroundColliders) as ScatterGroundColliders
 	var mask := ground.collision_mask if ground != null else 0
 	if ground != null and mask | layers == mask:
 		return "This is already the ground of %s." % scatter.name
@@ -150,39 +150,39 @@ static func _use_bodies(
 	else:
 		var new_ground := ScatterGroundColliders.new()
 		new_ground.collision_mask = layers
-		_set_ground(scatter, new_ground, manager, added)
+		_set_ground(scatter, new_ground, manager, is_addition)
 	manager.commit_action()
 	return ""
 
 
 static func _use_terrain(
-		scatter: TerrainScatter3D, terrains: Array[Node], present: Array[ScatterGround], manager: EditorUndoRedoManager, added: bool) -> String:
+		scatter: TerrainScatter3D, terrains: Array[Node], grounds: Array[ScatterGround], manager: EditorUndoRedoManager, is_addition: bool) -> String:
 	if terrains.size() > 1:
 		return "Several terrains are selected: select one of them, and add the others with Add to Ground."
-	for ground in present:
-		var of_node := ground as ScatterGroundNode
-		if of_node != null and scatter.get_node_or_null(of_node.node) == terrains[0]:
+	for ground in grounds:
+		var node_ground := ground as ScatterGroundNode
+		if node_ground != null and scatter.get_node_or_null(node_ground.node) == terrains[0]:
 			return "This is already the ground of %s." % scatter.name
 	manager.create_action("Use as Ground", UndoRedo.MERGE_DISABLE, scatter)
 	var new_ground := ScatterGroundNode.new()
 	new_ground.node = scatter.get_path_to(terrains[0])
-	_set_ground(scatter, new_ground, manager, added)
+	_set_ground(scatter, new_ground, manager, is_addition)
 	manager.commit_action()
 	return ""
 
 
 ## Replaces the ground of a scatter, or combines it with another one.
-static func _set_ground(scatter: TerrainScatter3D, ground: ScatterGround, manager: EditorUndoRedoManager, added: bool) -> void:
+static func _set_ground(scatter: TerrainScatter3D, ground: ScatterGround, manager: EditorUndoRedoManager, is_addition: bool) -> void:
 	var combined := scatter.ground as ScatterGroundCombined
-	if added and combined != null:
+	if is_addition and combined != null:
 		var grounds := combined.grounds.duplicate()
 		manager.add_undo_property(combined, &"grounds", grounds)
 		manager.add_do_property(combined, &"grounds", grounds + ([ground] as Array[ScatterGround]))
 		return
-	if added and scatter.ground != null:
+	if is_addition and scatter.ground != null:
 		combined = ScatterGroundCombined.new()
 		combined.grounds = [scatter.ground, ground]
-	manager.add_do_property(scatter, &"ground", combined if combined != null and added else ground)
+	manager.add_do_property(scatter, &"ground", combined if combined != null and is_addition else ground)
 	manager.add_undo_property(scatter, &"ground", scatter.ground)
 
 
@@ -212,10 +212,10 @@ static func _has_bodies(node: Node) -> bool:
 static func _meshes_of(node: Node) -> Array[Node]:
 	if node is TerrainScatter3D:
 		return []
-	var found: Array[Node] = [node]
+	var nodes: Array[Node] = [node]
 	for mesh_class in MESH_CLASSES:
-		found.append_array(node.find_children("*", mesh_class, true, false))
-	return found.filter(func(mesh: Node) -> bool: return _has_mesh(mesh) and (mesh.owner != null or mesh == node))
+		nodes.append_array(node.find_children("*", mesh_class, true, false))
+	return nodes.filter(func(mesh: Node) -> bool: return _has_mesh(mesh) and (mesh.owner != null or mesh == node))
 
 
 ## Returns whether a node in the group of a ScatterGroundMeshes is ground. In a CSG tree, only the outermost node is ground.
@@ -226,16 +226,16 @@ static func _has_mesh(node: Node) -> bool:
 
 
 ## Returns the instanced scenes whose children must become editable, so that the edited scene stores the changes to their nodes.
-static func _closed_instances(nodes: Array[Node]) -> Array[Node]:
+static func _instances_to_open(nodes: Array[Node]) -> Array[Node]:
 	var root := EditorInterface.get_edited_scene_root()
-	var closed: Array[Node] = []
+	var instances: Array[Node] = []
 	for node in nodes:
 		var owner := node.owner
 		while owner != null and owner != root:
-			if not root.is_editable_instance(owner) and not closed.has(owner):
-				closed.append(owner)
+			if not root.is_editable_instance(owner) and not instances.has(owner):
+				instances.append(owner)
 			owner = owner.owner
-	return closed
+	return instances
 
 
 ## Returns those of the given nodes that can be ground.
@@ -254,33 +254,33 @@ func _current_scatter() -> TerrainScatter3D:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
 		return null
-	if is_instance_valid(_last) and _last.is_inside_tree() and (_last == root or root.is_ancestor_of(_last)):
-		return _last
-	var found := root.find_children("*", SCATTER, true, false)
+	if is_instance_valid(_last_scatter) and _last_scatter.is_inside_tree() and (_last_scatter == root or root.is_ancestor_of(_last_scatter)):
+		return _last_scatter
+	var scatters := root.find_children("*", SCATTER, true, false)
 	if root is TerrainScatter3D:
-		found.append(root)
-	return found[0] if found.size() == 1 else null
+		scatters.append(root)
+	return scatters[0] if scatters.size() == 1 else null
 
 
 ## Makes the selected nodes the ground, or adds them to the current ground. If none of them can be ground, opens a
 ## dialog with the scene tree.
-func choose(added := false) -> void:
-	var grounds := _grounds_of(EditorInterface.get_selection().get_selected_nodes())
-	if grounds.is_empty():
+func choose(is_addition := false) -> void:
+	var nodes := _grounds_of(EditorInterface.get_selection().get_selected_nodes())
+	if nodes.is_empty():
 		# Offers every Node3D, because the meshes of an imported scene are below a node that is neither a mesh nor a body.
-		EditorInterface.popup_node_selector(_on_picked.bind(added), [&"Node3D"])
+		EditorInterface.popup_node_selector(_on_picked.bind(is_addition), [&"Node3D"])
 	else:
-		_use_or_tell(grounds, added)
+		_use_nodes(nodes, is_addition)
 
 
-func _on_picked(path: NodePath, added: bool) -> void:
+func _on_picked(path: NodePath, is_addition: bool) -> void:
 	if not path.is_empty():
-		_use_or_tell([EditorInterface.get_edited_scene_root().get_node(path)], added)
+		_use_nodes([EditorInterface.get_edited_scene_root().get_node(path)], is_addition)
 
 
-func _use_or_tell(nodes: Array[Node], added: bool) -> void:
+func _use_nodes(nodes: Array[Node], is_addition: bool) -> void:
 	var scatter := _current_scatter()
-	var problem := use(scatter, nodes, undo_redo, added) if scatter != null else ""
+	var problem := use(scatter, nodes, undo_redo, is_addition) if scatter != null else ""
 	if not problem.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(problem, EditorToaster.SEVERITY_WARNING)
 	update()

@@ -30,12 +30,12 @@ func aim(camera: Camera3D, position: Vector2, scatter: TerrainScatter3D) -> void
 	_camera = camera
 	_scatter = scatter
 	_mouse = position
-	position /= _shrink(camera)
+	position /= _pixel_ratio(camera)
 	from = camera.project_ray_origin(position)
 	direction = camera.project_ray_normal(position)
-	var met := SurfacePlace.on_ray(scatter, from, direction) if scatter.ground != null else PackedVector3Array()
-	on_ground = met[0] if not met.is_empty() else Vector3.INF
-	normal = met[1] if not met.is_empty() else Vector3.UP
+	var hit := SurfacePlace.on_ray(scatter, from, direction) if scatter.ground != null else PackedVector3Array()
+	on_ground = hit[0] if not hit.is_empty() else Vector3.INF
+	normal = hit[1] if not hit.is_empty() else Vector3.UP
 
 
 ## Clears [member on_ground] until the next call to [method aim].
@@ -60,25 +60,25 @@ func mouse() -> Vector2:
 
 
 ## Draws a message next to the mouse.
-func say(overlay: Control, sentence: String) -> void:
-	_write(overlay, sentence, WIDTH, _mouse + Vector2(18.0, 24.0), Color(1.0, 0.85, 0.5))
+func draw_message(overlay: Control, message: String) -> void:
+	_write(overlay, message, WIDTH, _mouse + Vector2(18.0, 24.0), Color(1.0, 0.85, 0.5))
 
 
 ## Draws a hint about keys and clicks at the lower edge of the view.
-func hint(overlay: Control, sentence: String) -> void:
-	_write(overlay, sentence, INF, Vector2(12.0, overlay.size.y - 14.0), Color(0.9, 0.95, 1.0))
+func draw_hint(overlay: Control, message: String) -> void:
+	_write(overlay, message, INF, Vector2(12.0, overlay.size.y - 14.0), Color(0.9, 0.95, 1.0))
 
 
-func _write(overlay: Control, sentence: String, widest: float, at: Vector2, color: Color) -> void:
+func _write(overlay: Control, text: String, max_width: float, position: Vector2, color: Color) -> void:
 	var font := ThemeDB.fallback_font
 	var size := ThemeDB.fallback_font_size
-	var width := minf(widest, overlay.size.x - 20.0)
-	var extent := font.get_multiline_string_size(sentence, HORIZONTAL_ALIGNMENT_LEFT, width, size)
+	var width := minf(max_width, overlay.size.x - 20.0)
+	var extent := font.get_multiline_string_size(text, HORIZONTAL_ALIGNMENT_LEFT, width, size)
 	# The position is the left end of the first line. The last line of a message must also be in the view.
-	var line := font.get_height(size)
-	at = at.min(overlay.size - extent + Vector2(-8.0, line - 8.0)).max(Vector2(8.0, line))
-	overlay.draw_rect(Rect2(at - Vector2(6.0, line), extent + Vector2(12.0, 8.0)), Color(0.0, 0.0, 0.0, 0.75))
-	overlay.draw_multiline_string(font, at, sentence, HORIZONTAL_ALIGNMENT_LEFT, width, size, -1, color)
+	var line_height := font.get_height(size)
+	position = position.min(overlay.size - extent + Vector2(-8.0, line_height - 8.0)).max(Vector2(8.0, line_height))
+	overlay.draw_rect(Rect2(position - Vector2(6.0, line_height), extent + Vector2(12.0, 8.0)), Color(0.0, 0.0, 0.0, 0.75))
+	overlay.draw_multiline_string(font, position, text, HORIZONTAL_ALIGNMENT_LEFT, width, size, -1, color)
 
 
 ## Draws a dot at the position below the mouse.
@@ -98,13 +98,13 @@ func draw_knob(overlay: Control, position: Vector3, color: Color) -> void:
 func draw_ring(overlay: Control, radius: float, color: Color, width: float) -> void:
 	var line := PackedVector3Array()
 	var upright := SurfacePlace.upright(SurfacePlace.up_at(_scatter, on_ground))
-	var along := -upright.y if normal.dot(upright.y) < 0.0 else upright.y
+	var level_direction := -upright.y if normal.dot(upright.y) < 0.0 else upright.y
 	for side in SIDES + 1:
 		var angle := TAU * side / SIDES
-		var at := on_ground + upright * Vector3(cos(angle), 0.0, sin(angle)) * radius
+		var position := on_ground + upright * Vector3(cos(angle), 0.0, sin(angle)) * radius
 		# On a wall, the ring stays at the height of the mouse.
-		var found := SurfacePlace.level(_scatter, at, along, maxf(2.0 * radius, 1.0)) if not is_on_wall() else PackedVector3Array()
-		line.append(found[0] if not found.is_empty() else at)
+		var level := SurfacePlace.level(_scatter, position, level_direction, maxf(2.0 * radius, 1.0)) if not is_on_wall() else PackedVector3Array()
+		line.append(level[0] if not level.is_empty() else position)
 	draw_path(overlay, line, color, width)
 
 
@@ -123,7 +123,7 @@ func is_among_levels() -> bool:
 
 ## Returns the position on the overlay, in pixels, of a world position. The world position must not be behind the camera.
 func to_overlay(position: Vector3) -> Vector2:
-	return _camera.unproject_position(position) * _shrink(_camera)
+	return _camera.unproject_position(position) * _pixel_ratio(_camera)
 
 
 ## Returns a line between two positions that follows the ground and is straight where there is no ground. On a planet, the ground is searched along
@@ -131,9 +131,9 @@ func to_overlay(position: Vector3) -> Vector2:
 func along_ground(from: Vector3, to: Vector3, from_above := false) -> PackedVector3Array:
 	var line := PackedVector3Array()
 	for piece in PIECES + 1:
-		var at := from.lerp(to, piece / float(PIECES))
-		var found := SurfacePlace.level(_scatter, at, Vector3.UP if from_above else SurfacePlace.up_at(_scatter, at))
-		line.append(found[0] if not found.is_empty() else at)
+		var position := from.lerp(to, piece / float(PIECES))
+		var level := SurfacePlace.level(_scatter, position, Vector3.UP if from_above else SurfacePlace.up_at(_scatter, position))
+		line.append(level[0] if not level.is_empty() else position)
 	return line
 
 
@@ -156,6 +156,6 @@ func _draw_line(overlay: Control, line: PackedVector2Array, color: Color, width:
 
 
 ## Returns the number of overlay pixels per viewport pixel, which is above 1 if the view has half resolution.
-static func _shrink(camera: Camera3D) -> float:
+static func _pixel_ratio(camera: Camera3D) -> float:
 	var container := camera.get_viewport().get_parent() as SubViewportContainer
 	return float(container.stretch_shrink) if container != null and container.stretch else 1.0

@@ -54,12 +54,12 @@ func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 	var line := PackedVector2Array([points[0]])
 	var count := points.size() if closed else points.size() - 1
 	for index in count:
-		var from := points[index]
-		var to := points[(index + 1) % points.size()]
-		var pieces := clampi(ceili(from.distance_to(to) / piece), 1, maxi(1, budget))
+		var start := points[index]
+		var end := points[(index + 1) % points.size()]
+		var pieces := clampi(ceili(start.distance_to(end) / piece), 1, maxi(1, budget))
 		budget -= pieces
 		for step in pieces:
-			line.append(from.lerp(to, (step + 1.0) / pieces))
+			line.append(start.lerp(end, (step + 1.0) / pieces))
 	var positions := _to_node * (to_ground.call(line) as PackedVector3Array)
 	for index in range(1, positions.size()):
 		segments.append(positions[index - 1])

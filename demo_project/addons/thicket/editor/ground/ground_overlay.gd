@@ -21,11 +21,11 @@ var _instance := RID()
 var _scatter: TerrainScatter3D
 var _ground: ScatterGround
 var _middle := Vector2i.ZERO ## The center of the overlay, in quads.
-var _side := Vector3.INF ## The center of an overlay on any side of a planet; not finite for one that is projected along the y axis.
+var _planet_point := Vector3.INF ## The center of an overlay on any side of a planet; not finite for one that is projected along the y axis.
 var _quad := 0.0 ## The edge length of a quad, in meters.
 var _request: Array = [] ## All values that determine the overlay; empty if there is none.
 var _colors: Callable
-var _waiting: Array[Vector2i] = [] ## The parts that are still to be generated.
+var _parts: Array[Vector2i] = [] ## The parts that are still to be generated.
 
 
 func _init() -> void:
@@ -45,8 +45,8 @@ func _notification(what: int) -> void:
 func hide() -> void:
 	_request = []
 	_ground = null
-	_waiting.clear()
-	_take_off()
+	_parts.clear()
+	_remove_from_view()
 
 
 ## Returns true if an overlay is shown or being generated.
@@ -56,59 +56,59 @@ func is_shown() -> bool:
 
 ## Returns true if no overlay is being generated.
 func is_complete() -> bool:
-	return _waiting.is_empty()
+	return _parts.is_empty()
 
 
-## Begins an overlay on the ground of a scatter around a position, with quads of at most [param largest] meters. The
-## view is [param away] meters from that position. Has no effect if the ground, the position and [param version] are the
+## Begins an overlay on the ground of a scatter around a position, with quads of at most [param max_quad] meters. The
+## view is [param distance] meters from that position. Has no effect if the ground, the position and [param version] are the
 ## same as last time. [param colors] is called with a rectangle of world x and z and the number of columns and rows that
 ## divide it. It returns a color for the center of each cell, row by row. If it returns an empty array, the overlay is
-## removed. If [param on_side] is true, the overlay lies on the side of the planet around the position, and
+## removed. If [param on_planet] is true, the overlay lies on the side of the planet around the position, and
 ## [param colors] must use its third argument instead: the position of each cell on the ground, not finite without ground.
-func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF, on_side := false) -> void:
-	var quad := pow(2.0, floorf(log(minf(clampf(away * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), largest)) / log(2.0)))
-	var middle := Vector2i((Vector2(around.x, around.z) / (quad * 4.0)).round()) * 4
-	var side := (around / (quad * 4.0)).round() * quad * 4.0 if on_side else Vector3.INF
-	if on_side:
-		middle = Vector2i.ZERO
-	var request := [scatter, scatter.ground, middle, side, quad, version]
+func cover(scatter: TerrainScatter3D, center: Vector3, distance: float, version: Variant, colors: Callable, max_quad := INF, on_planet := false) -> void:
+	var quad := pow(2.0, floorf(log(minf(clampf(distance * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), max_quad)) / log(2.0)))
+	var center_quad := Vector2i((Vector2(center.x, center.z) / (quad * 4.0)).round()) * 4
+	var planet_point := (center / (quad * 4.0)).round() * quad * 4.0 if on_planet else Vector3.INF
+	if on_planet:
+		center_quad = Vector2i.ZERO
+	var request := [scatter, scatter.ground, center_quad, planet_point, quad, version]
 	if request == _request:
 		return
 	_request = request
 	_scatter = scatter
 	_ground = scatter.ground
-	_middle = middle
-	_side = side
+	_middle = center_quad
+	_planet_point = planet_point
 	_quad = quad
 	_colors = colors
 	_meshes[1].clear_surfaces()
-	_waiting.clear()
+	_parts.clear()
 	for z in PARTS:
 		for x in PARTS:
-			_waiting.append(Vector2i(x, z))
+			_parts.append(Vector2i(x, z))
 
 
 ## Generates parts until this number of microseconds has passed, but at least one.
 func work(microseconds: int) -> void:
-	if _waiting.is_empty():
+	if _parts.is_empty():
 		return
 	if not is_instance_valid(_scatter) or not _scatter.is_inside_tree() or _scatter.ground == null:
 		return hide()
 	var deadline := Time.get_ticks_usec() + microseconds
-	while not _waiting.is_empty():
-		var arrays := _part(_waiting.pop_front())
+	while not _parts.is_empty():
+		var arrays := _surface_arrays(_parts.pop_front())
 		if arrays.is_empty(): # The request failed and is not repeated.
-			_waiting.clear()
-			return _take_off()
+			_parts.clear()
+			return _remove_from_view()
 		_meshes[1].add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
 		_meshes[1].surface_set_material(_meshes[1].get_surface_count() - 1, _material)
 		if Time.get_ticks_usec() >= deadline:
 			break
-	if _waiting.is_empty():
+	if _parts.is_empty():
 		_show()
 
 
-func _take_off() -> void:
+func _remove_from_view() -> void:
 	if _instance.is_valid():
 		RenderingServer.instance_set_scenario(_instance, RID())
 
@@ -122,20 +122,20 @@ func _show() -> void:
 	RenderingServer.instance_set_scenario(_instance, _scatter.get_world_3d().scenario)
 
 
-func _part(part: Vector2i) -> Array:
+func _surface_arrays(cell: Vector2i) -> Array:
 	const SIDE := QUADS / PARTS
-	var first: Vector2 = Vector2(_middle - Vector2i(QUADS, QUADS) / 2 + part * SIDE) * _quad
+	var first: Vector2 = Vector2(_middle - Vector2i(QUADS, QUADS) / 2 + cell * SIDE) * _quad
 	var size := Vector2i(SIDE + 1, SIDE + 1)
-	var positions := _positions_on_side(first, size) if _side.is_finite() else PackedVector3Array()
+	var positions := _positions_on_planet(first, size) if _planet_point.is_finite() else PackedVector3Array()
 	var colors: PackedColorArray = _colors.call(Rect2(first - Vector2.ONE * _quad * 0.5, Vector2(size) * _quad), size, positions)
 	if colors.size() != size.x * size.y:
 		return []
-	var vertices := _raised(positions, colors) if _side.is_finite() else PackedVector3Array()
+	var vertices := _raised(positions, colors) if _planet_point.is_finite() else PackedVector3Array()
 	for index in size.x * size.y if vertices.is_empty() else 0:
 		@warning_ignore("integer_division")
-		var at := first + Vector2(index % size.x, index / size.x) * _quad
-		var height := _ground.get_height(Vector3(at.x, 0.0, at.y))
-		vertices.append(Vector3(at.x, (0.0 if is_nan(height) else height) + LIFT * _quad, at.y))
+		var point := first + Vector2(index % size.x, index / size.x) * _quad
+		var height := _ground.get_height(Vector3(point.x, 0.0, point.y))
+		vertices.append(Vector3(point.x, (0.0 if is_nan(height) else height) + LIFT * _quad, point.y))
 		if is_nan(height):
 			colors[index].a = 0.0
 	var indices := PackedInt32Array()
@@ -152,21 +152,21 @@ func _part(part: Vector2i) -> Array:
 
 
 ## Returns the positions on the ground of a grid on the side of a planet, row by row.
-func _positions_on_side(first: Vector2, size: Vector2i) -> PackedVector3Array:
-	var places := PackedVector2Array()
+func _positions_on_planet(first: Vector2, size: Vector2i) -> PackedVector3Array:
+	var map_points := PackedVector2Array()
 	for z in size.y:
 		for x in size.x:
-			places.append(first + Vector2(x, z) * _quad)
-	return _scatter._planet_ground(_side, places)
+			map_points.append(first + Vector2(x, z) * _quad)
+	return _scatter._planet_ground(_planet_point, map_points)
 
 
 ## Returns positions on a planet, raised above the ground. Makes the colors of positions without ground transparent.
 func _raised(positions: PackedVector3Array, colors: PackedColorArray) -> PackedVector3Array:
 	var vertices := PackedVector3Array()
 	for index in positions.size():
-		var at := positions[index]
-		if not at.is_finite():
-			at = _side
+		var position := positions[index]
+		if not position.is_finite():
+			position = _planet_point
 			colors[index].a = 0.0
-		vertices.append(at + SurfacePlace.up_at(_scatter, at) * LIFT * _quad)
+		vertices.append(position + SurfacePlace.up_at(_scatter, position) * LIFT * _quad)
 	return vertices

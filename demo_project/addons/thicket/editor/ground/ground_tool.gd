@@ -36,9 +36,9 @@ func draw_over(overlay: Control) -> void:
 	if not _cursor.is_over(overlay):
 		return
 	_draw_view(overlay)
-	var sentence := _message()
-	if not sentence.is_empty():
-		_cursor.say(overlay, sentence)
+	var message := _message()
+	if not message.is_empty():
+		_cursor.draw_message(overlay, message)
 
 
 ## Handles a key. Returns [constant MINE] or [constant NOT_MINE].

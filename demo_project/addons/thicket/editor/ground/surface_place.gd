@@ -56,38 +56,38 @@ static func on_ray(scatter: TerrainScatter3D, from: Vector3, direction: Vector3)
 
 ## Returns the distance to the ground along a ray in meters, at most 1000, or 100 if the ray does not meet the ground.
 static func distance(scatter: TerrainScatter3D, from: Vector3, direction: Vector3) -> float:
-	var found := on_ray(scatter, from, direction)
-	return minf(from.distance_to(found[0]), 1000.0) if not found.is_empty() else 100.0
+	var position_and_normal := on_ray(scatter, from, direction)
+	return minf(from.distance_to(position_and_normal[0]), 1000.0) if not position_and_normal.is_empty() else 100.0
 
 
-## Returns the position on the ground, straight above or below another position, that is nearest to it and within [param reach] meters, and its
-## normal. Returns an empty array if there is none. Only ground that faces the direction [param along] counts.
-static func level(scatter: TerrainScatter3D, point: Vector3, along: Vector3, reach := REACH) -> PackedVector3Array:
+## Returns the position on the ground, straight above or below another position, that is nearest to it and within [param max_distance] meters, and its
+## normal. Returns an empty array if there is none. Only ground that faces the direction [param direction] counts.
+static func level(scatter: TerrainScatter3D, point: Vector3, direction: Vector3, max_distance := REACH) -> PackedVector3Array:
 	var nearest := PackedVector3Array()
 	var ground := scatter.ground
 	if has_levels(ground):
-		var start := point + along * reach
+		var start := point + direction * max_distance
 		for index in MOST_LEVELS:
-			var found := hit(scatter, start, point - along * reach)
-			if found.is_empty() or not nearest.is_empty() and point.distance_to(found[0]) >= point.distance_to(nearest[0]):
+			var surface_hit := hit(scatter, start, point - direction * max_distance)
+			if surface_hit.is_empty() or not nearest.is_empty() and point.distance_to(surface_hit[0]) >= point.distance_to(nearest[0]):
 				break
-			nearest = found
-			start = found[0] - along * GAP
-	for part: ScatterGround in GroundRay.parts(ground):
-		var has_heights := not part is ScatterGroundMeshes or nearest.is_empty() and not is_planet(scatter)
-		var height := part.get_height(point) if has_heights and along.y > 0.0 else NAN
-		if absf(height - point.y) <= reach and (nearest.is_empty() or absf(height - point.y) < point.distance_to(nearest[0])):
-			var at := Vector3(point.x, height, point.z)
-			nearest = PackedVector3Array([at, part.get_normal(at)])
+			nearest = surface_hit
+			start = surface_hit[0] - direction * GAP
+	for ground_part: ScatterGround in GroundRay.parts(ground):
+		var has_heights := not ground_part is ScatterGroundMeshes or nearest.is_empty() and not is_planet(scatter)
+		var height := ground_part.get_height(point) if has_heights and direction.y > 0.0 else NAN
+		if absf(height - point.y) <= max_distance and (nearest.is_empty() or absf(height - point.y) < point.distance_to(nearest[0])):
+			var position := Vector3(point.x, height, point.z)
+			nearest = PackedVector3Array([position, ground_part.get_normal(position)])
 	return nearest
 
 
 ## Returns an empty string if a map that is projected along the y axis can be edited at a position on the ground. Otherwise, returns the reason and
-## the remedy. [param what] is the beginning of the sentence, and [param remedy] the sentence after it.
-static func map_problem(scatter: TerrainScatter3D, point: Vector3, what: String, remedy: String) -> String:
+## the remedy. [param subject] is the beginning of the sentence, and [param fix] the sentence after it.
+static func map_problem(scatter: TerrainScatter3D, point: Vector3, subject: String, fix: String) -> String:
 	if not is_planet(scatter) or up_at(scatter, point).y >= cos(deg_to_rad(MAP_DEGREES)):
 		return ""
-	return "%s at most %d° from the top of a planet. %s" % [what, roundi(MAP_DEGREES), remedy]
+	return "%s at most %d° from the top of a planet. %s" % [subject, roundi(MAP_DEGREES), fix]
 
 
 ## Returns the rotation that turns the y axis to a direction.

@@ -78,12 +78,12 @@ func _get_handle_value(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool) -> 
 
 func _set_handle(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool, camera: Camera3D, point: Vector2) -> void:
 	var node := gizmo.get_node_3d() as TerrainScatter3D
-	var from := camera.project_ray_origin(point)
-	var to := from + camera.project_ray_normal(point) * camera.far
-	var nearest := (from - _origin).dot(_up)
-	var low := _origin + _up * (nearest - camera.far)
-	var high := _origin + _up * (nearest + camera.far)
-	var level := (Geometry3D.get_closest_points_between_segments(low, high, from, to)[0] - _origin).dot(_up)
+	var ray_start := camera.project_ray_origin(point)
+	var ray_end := ray_start + camera.project_ray_normal(point) * camera.far
+	var ray_height := (ray_start - _origin).dot(_up)
+	var low := _origin + _up * (ray_height - camera.far)
+	var high := _origin + _up * (ray_height + camera.far)
+	var level := (Geometry3D.get_closest_points_between_segments(low, high, ray_start, ray_end)[0] - _origin).dot(_up)
 	node.water_level = snappedf(level, EditorSnap.meters() if EditorSnap.is_on() else STEP)
 	node.update_gizmos()
 
@@ -102,10 +102,10 @@ func _commit_handle(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool, restor
 ## Moves the handle to the middle of the view of a planet or, if the planet is not there, to the ground below the camera.
 func _aim(center: Vector3, radius: float) -> void:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-	var from := camera.global_position
-	var toward := -camera.global_basis.z
-	var met := Geometry3D.segment_intersects_sphere(from, from + toward * camera.far, center, radius)
-	_up = center.direction_to(met[0] if not met.is_empty() and met[1].dot(toward) < 0.0 else from)
+	var camera_position := camera.global_position
+	var direction := -camera.global_basis.z
+	var hits := Geometry3D.segment_intersects_sphere(camera_position, camera_position + direction * camera.far, center, radius)
+	_up = center.direction_to(hits[0] if not hits.is_empty() and hits[1].dot(direction) < 0.0 else camera_position)
 	if _up == Vector3.ZERO:
 		_up = Vector3.UP
 	_origin = center + _up * radius
@@ -118,6 +118,6 @@ func _area() -> Rect2:
 		if layer == null:
 			continue
 		for tile in scatter.get_shown_tiles(layer):
-			var of_tile := Rect2(Vector2(tile) * layer.tile_size, Vector2.ONE * layer.tile_size)
-			area = of_tile if not area.has_area() else area.merge(of_tile)
+			var tile_rect := Rect2(Vector2(tile) * layer.tile_size, Vector2.ONE * layer.tile_size)
+			area = tile_rect if not area.has_area() else area.merge(tile_rect)
 	return area if area.has_area() else Rect2(-REACH, -REACH, 2.0 * REACH, 2.0 * REACH)

@@ -52,22 +52,22 @@ func begin(scatter: TerrainScatter3D, scene_path: String) -> bool:
 ## Places an instance of a layer and returns its id, or 0 if it cannot be placed.
 func add(layer: ScatterLayer, transform: Transform3D, mesh: int) -> int:
 	var id := _scatter.add_instance(layer, transform, mesh)
-	_added(id)
+	_store_before_addition(id)
 	return id
 
 
 ## Moves, rotates or scales an instance and returns its new id, or 0 if it does not exist.
 func set_transform(id: int, transform: Transform3D) -> int:
-	_touch(id)
-	var moved := _scatter.set_instance_transform(id, transform)
-	if moved != id:
-		_added(moved)
-	return moved
+	_store_before_change(id)
+	var new_id := _scatter.set_instance_transform(id, transform)
+	if new_id != id:
+		_store_before_addition(new_id)
+	return new_id
 
 
 ## Removes an instance permanently.
 func remove(id: int) -> void:
-	_touch(id)
+	_store_before_change(id)
 	_state.remove(id, 0.0)
 
 
@@ -79,12 +79,12 @@ func commit(name: String) -> void:
 		abort()
 		return
 	undo_redo.create_action(name, UndoRedo.MERGE_DISABLE, _scatter)
-	close_into_action()
+	add_to_action()
 	undo_redo.commit_action(false)
 
 
 ## Ends the step, and adds its changes to the undo action that the caller is creating.
-func close_into_action() -> void:
+func add_to_action() -> void:
 	if _state == null:
 		return
 	var after: Array[PackedByteArray] = [_state.diff_of(_ids)]
@@ -120,14 +120,14 @@ func restore(state: ScatterState, diffs: Array[PackedByteArray]) -> void:
 
 
 ## Stores a diff of an instance before its first change.
-func _touch(id: int) -> void:
+func _store_before_change(id: int) -> void:
 	if not _ids.has(id):
 		_before.append(_state.diff_of(PackedInt64Array([id])))
 		_ids.append(id)
 
 
 ## Stores a diff that removes a new instance again.
-func _added(id: int) -> void:
+func _store_before_addition(id: int) -> void:
 	if id != 0 and not _ids.has(id):
 		_before.append(ScatterState.new().diff_of(PackedInt64Array([id])))
 		_ids.append(id)

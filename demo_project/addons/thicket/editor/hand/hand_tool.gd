@@ -9,12 +9,12 @@ const InstanceGhost := preload("res://addons/thicket/editor/hand/instance_ghost.
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 const SIZE_STEP := 1.1
-const LEAST_SIZE := 0.01
+const MIN_SIZE := 0.01
 ## The distance in pixels that the mouse must move before a click becomes a drag.
-const SLACK := 4.0
+const DRAG_THRESHOLD := 4.0
 ## The largest distance at which instances can be picked, and the farthest that one drag can move an instance,
 ## in meters.
-const REACH := 1000.0
+const MAX_DISTANCE := 1000.0
 const HINT_PLANTING := "Click plants   R turns   [ ] scale   Ctrl snaps"
 const HINT_HOVERED := "Click selects   Shift+click plants here"
 const HINT_SELECTED := "Drag moves   R turns   [ ] scale   Ctrl snaps   Del deletes   Esc deselects"
@@ -31,12 +31,12 @@ var _hovered := 0
 var _meshes: Array[Mesh] = []
 
 # The state of the mouse button from a press on the selected instance until its release.
-var _pressed := false
-var _dragged := false
+var _is_pressed := false
+var _is_dragging := false
 var _handle := HandFrame.Handle.NONE
-var _pressed_at := Vector2.ZERO
-var _grabbed := Vector3.ZERO
-var _start := HandFrame.new()
+var _press_position := Vector2.ZERO
+var _grab_point := Vector3.ZERO
+var _start_frame := HandFrame.new()
 
 
 func _init() -> void:
@@ -46,7 +46,7 @@ func _init() -> void:
 
 
 func _on_motion(motion: InputEventMouseMotion) -> int:
-	if _pressed:
+	if _is_pressed:
 		_drag(motion)
 		return MINE
 	_hover(motion)
@@ -62,14 +62,14 @@ func _on_button(click: InputEventMouseButton) -> void:
 
 
 func _draw_view(overlay: Control) -> void:
-	if _hovered != 0 and _hovered != selected and not _pressed:
+	if _hovered != 0 and _hovered != selected and not _is_pressed:
 		var frame := _frame_of(_hovered)
 		if frame != null:
 			frame.draw_box(overlay, _cursor, HandFrame.HOVERED, 1.0)
 	if selected != 0:
 		_frame.draw_box(overlay, _cursor, HandFrame.SELECTED, 2.0)
 		_frame.draw_handles(overlay, _cursor)
-	_cursor.hint(overlay, HINT_SELECTED if selected != 0 else HINT_HOVERED if _hovered != 0 else HINT_PLANTING)
+	_cursor.draw_hint(overlay, HINT_SELECTED if selected != 0 else HINT_HOVERED if _hovered != 0 else HINT_PLANTING)
 
 
 ## Updates the meshes of the chosen layer and the selected instance, both of which may have been changed elsewhere
@@ -78,15 +78,15 @@ func refresh() -> void:
 	if not is_on() or layer == null or ground() == null:
 		_ghost.hide()
 		return
-	var built := scatter.build_rect(layer, Rect2(0.0, 0.0, 0.01, 0.01))
+	var instances := scatter.build_rect(layer, Rect2(0.0, 0.0, 0.01, 0.01))
 	_meshes.clear()
-	for mesh in built.get_mesh_count():
-		_meshes.append(built.get_mesh(mesh))
+	for mesh in instances.get_mesh_count():
+		_meshes.append(instances.get_mesh(mesh))
 	planting.set_layer(layer, _meshes.size())
-	if selected != 0 and not _pressed:
-		var last := _frame.transform
+	if selected != 0 and not _is_pressed:
+		var last_transform := _frame.transform
 		_select(selected)
-		if selected == 0 or last != _frame.transform:
+		if selected == 0 or last_transform != _frame.transform:
 			redraw_requested.emit()
 
 
@@ -108,7 +108,7 @@ func _on_key(key: InputEventKey) -> int:
 	match key.keycode:
 		# The tool handles both keys even without a selection, because the editor would deselect or delete the scatter.
 		KEY_ESCAPE:
-			_give_up()
+			_cancel()
 		KEY_DELETE:
 			_delete()
 		KEY_R:
@@ -125,7 +125,7 @@ func _on_key(key: InputEventKey) -> int:
 
 
 ## Returns the reason why instances cannot be changed, as a sentence, or an empty string.
-func _obstacle() -> String:
+func _edit_problem() -> String:
 	if ground() == null:
 		return _ground_problem("plant on")
 	if layer == null:
@@ -134,22 +134,22 @@ func _obstacle() -> String:
 
 
 func _press(mouse: InputEventMouseButton) -> String:
-	_pressed = false
-	var obstacle := _obstacle()
-	if not obstacle.is_empty():
-		return obstacle
+	_is_pressed = false
+	var edit_problem := _edit_problem()
+	if not edit_problem.is_empty():
+		return edit_problem
 	_handle = _frame.handle_at(_cursor, _cursor.mouse()) if selected != 0 else HandFrame.Handle.NONE
 	if _handle == HandFrame.Handle.NONE:
-		var found := 0 if mouse.shift_pressed else _pick()
-		if found == 0:
+		var picked_id := 0 if mouse.shift_pressed else _pick()
+		if picked_id == 0:
 			return _plant(mouse.ctrl_pressed)
-		_select(found)
-	_pressed = true
-	_dragged = false
-	_pressed_at = _cursor.mouse()
-	_start.transform = _frame.transform
-	_start.box = _frame.box
-	_grabbed = _on_plane(_start.transform.origin, SurfacePlace.up_at(scatter, _start.transform.origin), _cursor.on_ground)
+		_select(picked_id)
+	_is_pressed = true
+	_is_dragging = false
+	_press_position = _cursor.mouse()
+	_start_frame.transform = _frame.transform
+	_start_frame.box = _frame.box
+	_grab_point = _on_plane(_start_frame.transform.origin, SurfacePlace.up_at(scatter, _start_frame.transform.origin), _cursor.on_ground)
 	return ""
 
 
@@ -161,68 +161,68 @@ func _plant(with_control: bool) -> String:
 	var id := edits.add(layer, planting.transform_at(_cursor, scatter, with_control), planting.mesh)
 	edits.commit("Plant %s" % layer.resource_name)
 	if id == 0:
-		return "No instance of %s was planted; the Output panel has the reason." % layer.resource_name
+		return "No instance of %s was planted. See the Output panel for details." % layer.resource_name
 	planting.roll()
 	_select(id)
 	return ""
 
 
 func _drag(mouse: InputEventMouse) -> void:
-	if not _dragged:
-		if _cursor.mouse().distance_to(_pressed_at) < SLACK:
+	if not _is_dragging:
+		if _cursor.mouse().distance_to(_press_position) < DRAG_THRESHOLD:
 			return
 		if not edits.begin(scatter, SceneFiles.edited_scene_path()):
 			problem = edits.problem
-			_pressed = false
+			_is_pressed = false
 			return
-		_dragged = true
-	var to := _start.transform
+		_is_dragging = true
+	var new_transform := _start_frame.transform
 	match _handle:
 		HandFrame.Handle.TURN:
-			var axis := _start.up()
-			var toward := _on_plane(to.origin, axis, _start.handle_position(_handle)) - to.origin
-			var angle := (_start.handle_position(_handle) - to.origin).signed_angle_to(toward, axis)
-			to.basis = Basis(axis, planting.snapped_turn(angle, mouse.ctrl_pressed)) * to.basis
+			var axis := _start_frame.up()
+			var handle_direction := _on_plane(new_transform.origin, axis, _start_frame.handle_position(_handle)) - new_transform.origin
+			var angle := (_start_frame.handle_position(_handle) - new_transform.origin).signed_angle_to(handle_direction, axis)
+			new_transform.basis = Basis(axis, planting.snapped_turn(angle, mouse.ctrl_pressed)) * new_transform.basis
 		HandFrame.Handle.SCALE:
-			var middle := _cursor.to_overlay(to.origin)
-			var factor := middle.distance_to(_cursor.mouse()) / maxf(1.0, middle.distance_to(_pressed_at))
-			to.basis *= _factor(planting.snapped_size(to.basis, factor, mouse.ctrl_pressed), to.basis)
+			var center := _cursor.to_overlay(new_transform.origin)
+			var factor := center.distance_to(_cursor.mouse()) / maxf(1.0, center.distance_to(_press_position))
+			new_transform.basis *= _scale_basis(planting.snapped_size(new_transform.basis, factor, mouse.ctrl_pressed), new_transform.basis)
 		_:
-			if not _grabbed.is_finite():
+			if not _grab_point.is_finite():
 				return
-			var up := SurfacePlace.up_at(scatter, _grabbed)
-			var way := (_on_plane(_grabbed, up, _grabbed) - _grabbed).limit_length(REACH)
-			to = planting.moved(to, to.origin + way, scatter, mouse.ctrl_pressed)
-	_change(to)
+			var up := SurfacePlace.up_at(scatter, _grab_point)
+			var offset := (_on_plane(_grab_point, up, _grab_point) - _grab_point).limit_length(MAX_DISTANCE)
+			new_transform = planting.moved_transform(new_transform, new_transform.origin + offset, scatter, mouse.ctrl_pressed)
+	_set_transform(new_transform)
 
 
 ## Changes the transform of the selected instance, within the open step.
-func _change(to: Transform3D) -> void:
-	var id := edits.set_transform(selected, to)
+func _set_transform(transform: Transform3D) -> void:
+	var id := edits.set_transform(selected, transform)
 	if id != 0:
 		selected = id
-		_frame.transform = to
+		_frame.transform = transform
 	else:
-		problem = "The instance was not changed; the Output panel has the reason."
+		problem = "The instance was not changed. See the Output panel for details."
 
 
 func _release() -> void:
-	if _pressed and _dragged:
+	if _is_pressed and _is_dragging:
 		edits.commit("%s %s" % [["Move", "Turn", "Scale"][_handle], layer.resource_name if layer != null else "Instance"])
-	_pressed = false
-	_dragged = false
+	_is_pressed = false
+	_is_dragging = false
 
 
-func _give_up() -> void:
-	if _pressed and _dragged:
+func _cancel() -> void:
+	if _is_pressed and _is_dragging:
 		edits.abort()
-	_pressed = false
-	_dragged = false
+	_is_pressed = false
+	_is_dragging = false
 	_select(0)
 
 
 func _delete() -> void:
-	if selected == 0 or _pressed:
+	if selected == 0 or _is_pressed:
 		return
 	problem = ""
 	if not edits.begin(scatter, SceneFiles.edited_scene_path()):
@@ -238,36 +238,36 @@ func _delete() -> void:
 func _turn(angle: float) -> void:
 	if selected == 0:
 		planting.turn(angle)
-	elif not _pressed:
-		_change_at_once("Turn", Basis(_frame.up(), angle) * _frame.transform.basis)
+	elif not _is_pressed:
+		_set_basis("Turn", Basis(_frame.up(), angle) * _frame.transform.basis)
 
 
 func _scale(factor: float) -> void:
 	if selected == 0:
 		planting.scale_by(factor)
-	elif not _pressed:
-		_change_at_once("Scale", _frame.transform.basis * _factor(factor, _frame.transform.basis))
+	elif not _is_pressed:
+		_set_basis("Scale", _frame.transform.basis * _scale_basis(factor, _frame.transform.basis))
 
 
-func _change_at_once(name: String, basis: Basis) -> void:
+func _set_basis(name: String, basis: Basis) -> void:
 	problem = ""
 	if not edits.begin(scatter, SceneFiles.edited_scene_path()):
 		problem = edits.problem
 		return
-	_change(Transform3D(basis, _frame.transform.origin))
+	_set_transform(Transform3D(basis, _frame.transform.origin))
 	edits.commit("%s %s" % [name, layer.resource_name])
 
 
 func _hover(mouse: InputEventMouse) -> void:
 	_hovered = 0
-	if not _pressed and _obstacle().is_empty() and not mouse.shift_pressed:
+	if not _is_pressed and _edit_problem().is_empty() and not mouse.shift_pressed:
 		_hovered = _pick()
 	_show_ghost()
 
 
 func _show_ghost() -> void:
-	var free := _hovered == 0 and not _pressed and _obstacle().is_empty() and _cursor.on_ground.is_finite()
-	if free and planting.mesh < _meshes.size():
+	var can_plant := _hovered == 0 and not _is_pressed and _edit_problem().is_empty() and _cursor.on_ground.is_finite()
+	if can_plant and planting.mesh < _meshes.size():
 		var with_control := Input.is_key_pressed(KEY_CTRL)
 		_ghost.show(scatter, _meshes[planting.mesh], planting.transform_at(_cursor, scatter, with_control))
 	else:
@@ -276,11 +276,11 @@ func _show_ghost() -> void:
 
 ## Returns the id of the chosen layer's instance under the mouse, or 0 if there is none.
 func _pick() -> int:
-	var reach := REACH
+	var max_distance := MAX_DISTANCE
 	if _cursor.on_ground.is_finite():
-		reach = minf(reach, _cursor.from.distance_to(_cursor.on_ground) + 2.0 * layer.instance_radius)
-	var met := scatter.query_ray(_cursor.from, _cursor.from + _cursor.direction * reach, layer)
-	return met.id if met != null else 0
+		max_distance = minf(max_distance, _cursor.from.distance_to(_cursor.on_ground) + 2.0 * layer.instance_radius)
+	var hit := scatter.query_ray(_cursor.from, _cursor.from + _cursor.direction * max_distance, layer)
+	return hit.id if hit != null else 0
 
 
 ## Selects an instance if it exists. An id of 0 clears the selection.
@@ -309,14 +309,14 @@ func _frame_of(id: int) -> HandFrame:
 	return frame
 
 
-## Returns the position on a plane below the mouse, or [param otherwise] if the mouse ray does not hit the plane. The
-## plane passes through [param through].
-func _on_plane(through: Vector3, normal: Vector3, otherwise: Vector3) -> Vector3:
-	var met: Variant = Plane(normal, through).intersects_ray(_cursor.from, _cursor.direction)
-	return met if met is Vector3 else otherwise
+## Returns the position on a plane below the mouse, or [param fallback] if the mouse ray does not hit the plane. The
+## plane passes through [param origin].
+func _on_plane(origin: Vector3, normal: Vector3, fallback: Vector3) -> Vector3:
+	var hit: Variant = Plane(normal, origin).intersects_ray(_cursor.from, _cursor.direction)
+	return hit if hit is Vector3 else fallback
 
 
-## Returns a uniform scale as a basis. The factor is limited so that the resulting size is at least [constant LEAST_SIZE].
-static func _factor(factor: float, basis: Basis) -> Basis:
-	var size := basis.y.length()
-	return Basis.from_scale(Vector3.ONE * (maxf(factor, LEAST_SIZE / size) if size > 0.0 else 1.0))
+## Returns a uniform scale as a basis. The factor is limited so that the resulting size is at least [constant MIN_SIZE].
+static func _scale_basis(factor: float, basis: Basis) -> Basis:
+	var height := basis.y.length()
+	return Basis.from_scale(Vector3.ONE * (maxf(factor, MIN_SIZE / height) if height > 0.0 else 1.0))

@@ -8,7 +8,7 @@ const COLOR := Color(0.3, 0.8, 1.0, 0.65)
 var _instance := RID()
 var _material := StandardMaterial3D.new()
 var _mesh: Mesh
-var _shown := false
+var _is_shown := false
 
 
 func _init() -> void:
@@ -37,14 +37,14 @@ func show(scatter: TerrainScatter3D, mesh: Mesh, transform: Transform3D) -> void
 		RenderingServer.instance_set_base(_instance, mesh.get_rid())
 	RenderingServer.instance_set_scenario(_instance, scatter.get_world_3d().scenario)
 	RenderingServer.instance_set_transform(_instance, transform)
-	_shown = true
+	_is_shown = true
 
 
 func hide() -> void:
-	if _shown:
+	if _is_shown:
 		RenderingServer.instance_set_scenario(_instance, RID())
-	_shown = false
+	_is_shown = false
 
 
 func is_shown() -> bool:
-	return _shown
+	return _is_shown

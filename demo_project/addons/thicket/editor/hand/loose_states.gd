@@ -17,20 +17,20 @@ func _init(files: SceneFiles) -> void:
 
 ## Creates a file for each state of a scene that contains instances but has no file, if the scene has a file. Marks states that differ from their
 ## files. Returns true if any file was created.
-func take_in(root: Node) -> bool:
-	var moved := false
+func move_to_files(root: Node) -> bool:
+	var has_moved := false
 	for scatter in Shared.scatters_of(root):
 		var state := scatter.state
 		if state == null:
 			continue
 		if _is_loose(state, root.scene_file_path):
-			moved = _move_out(state, scatter.name, root.scene_file_path) or moved
+			has_moved = _move_to_file(state, scatter.name, root.scene_file_path) or has_moved
 		elif state.resource_path.begins_with("res://") and not "::" in state.resource_path:
-			_look_at(state)
-	return moved
+			_mark_if_changed(state)
+	return has_moved
 
 
-func _move_out(state: ScatterState, owner_name: String, scene_path: String) -> bool:
+func _move_to_file(state: ScatterState, owner_name: String, scene_path: String) -> bool:
 	if scene_path.is_empty():
 		return false
 	# A game changes its own copy, and never the editor's file.
@@ -42,15 +42,15 @@ func _move_out(state: ScatterState, owner_name: String, scene_path: String) -> b
 	return true
 
 
-func _look_at(state: ScatterState) -> void:
+func _mark_if_changed(state: ScatterState) -> void:
 	var id := state.get_instance_id()
 	var revision := state.get_revision()
 	if _revisions.get(id, -1) == revision:
 		return
-	var saved: ScatterState
+	var file_state: ScatterState
 	if not _revisions.has(id): # The saved revision is unknown at first, so the content is compared with the file.
-		saved = ResourceLoader.load(state.resource_path, "", ResourceLoader.CACHE_MODE_IGNORE)
-	if saved == null or saved.get_digest() != state.get_digest():
+		file_state = ResourceLoader.load(state.resource_path, "", ResourceLoader.CACHE_MODE_IGNORE)
+	if file_state == null or file_state.get_digest() != state.get_digest():
 		_files.mark(state)
 	_revisions[id] = revision
 
@@ -58,7 +58,7 @@ func _look_at(state: ScatterState) -> void:
 ## Moves the states of a scene that had no file before to files, after the scene was saved. The scene must then be saved again.
 func on_scene_saved(path: String) -> void:
 	var root := EditorInterface.get_edited_scene_root()
-	if root != null and root.scene_file_path == path and take_in(root):
+	if root != null and root.scene_file_path == path and move_to_files(root):
 		EditorInterface.mark_scene_as_unsaved()
 		EditorInterface.get_editor_toaster().push_toast("Instances placed in %s are now stored in a separate file. Save the scene once more, so that it refers to the file." %
 				path.get_file(), EditorToaster.SEVERITY_WARNING)

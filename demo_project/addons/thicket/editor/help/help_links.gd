@@ -7,24 +7,24 @@ extends RefCounted
 const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
 
 var _window: Tutorials
-var _tabs: Array[Node] = []
+var _tab_containers: Array[Node] = []
 
 
 ## Handles the links on all help pages, including those that are opened later.
 func _init(window: Tutorials) -> void:
 	_window = window
-	_tabs = EditorInterface.get_script_editor().find_children("*", "TabContainer", true, false)
-	for tabs in _tabs:
-		tabs.child_entered_tree.connect(_on_page)
-		for page in tabs.get_children():
+	_tab_containers = EditorInterface.get_script_editor().find_children("*", "TabContainer", true, false)
+	for container in _tab_containers:
+		container.child_entered_tree.connect(_on_page)
+		for page in container.get_children():
 			_on_page(page)
 
 
 ## Stops handling links.
 func leave() -> void:
-	for tabs: Node in _tabs.filter(is_instance_valid):
-		tabs.child_entered_tree.disconnect(_on_page)
-		for page: Node in tabs.get_children():
+	for container: Node in _tab_containers.filter(is_instance_valid):
+		container.child_entered_tree.disconnect(_on_page)
+		for page: Node in container.get_children():
 			for text: RichTextLabel in _texts_of(page):
 				if text.meta_clicked.is_connected(_on_link):
 					text.meta_clicked.disconnect(_on_link)

@@ -32,7 +32,7 @@ func _init(tutorials: Tutorials) -> void:
 	id_pressed.connect(choose)
 
 
-## Performs what an item says.
+## Performs the action of an item.
 func choose(item: Item) -> void:
 	match item:
 		Item.TUTORIALS:
@@ -74,7 +74,7 @@ func _copy_example() -> Error:
 	return error
 
 
-## Returns the web address that an item opens, or an empty text for other items.
+## Returns the web address that an item opens, or an empty string for other items.
 func address(item: Item) -> String:
 	match item:
 		Item.DOCUMENTATION:

@@ -18,8 +18,8 @@ var _picture := RegEx.create_from_string(PICTURE)
 var _item := RegEx.create_from_string(ITEM)
 var _inline := RegEx.create_from_string(INLINE)
 var _block := "" ## The text of the current paragraph or list item.
-var _mark := ""
-var _level := 0
+var _bullet := ""
+var _indent := 0
 
 
 ## Returns the title of a page, which is its first line.
@@ -55,11 +55,11 @@ func _read_line(line: String) -> void:
 	elif line.begins_with("#"):
 		_flush()
 		var size := heading_size if line.begins_with("# ") else heading_size * 3 / 4
-		_add("[font_size=%d][b]%s[/b][/font_size]\n\n" % [size, _of_inline(line.lstrip("# "))])
+		_add("[font_size=%d][b]%s[/b][/font_size]\n\n" % [size, _inline_bbcode(line.lstrip("# "))])
 	elif item != null:
 		_flush()
-		_level = 1 + item.get_string("indent").length() / 2
-		_mark = "•" if item.get_string("mark") == "-" else item.get_string("mark")
+		_indent = 1 + item.get_string("indent").length() / 2
+		_bullet = "•" if item.get_string("mark") == "-" else item.get_string("mark")
 		_block = item.get_string("text")
 	elif line.strip_edges().is_empty():
 		_flush()
@@ -70,14 +70,14 @@ func _read_line(line: String) -> void:
 ## Ends the current paragraph or list item.
 func _flush() -> void:
 	if not _block.is_empty():
-		var text := _of_inline(_block)
-		if _mark.is_empty():
+		var text := _inline_bbcode(_block)
+		if _bullet.is_empty():
 			_add(text + "\n\n")
 		else:
-			_add("%s%s %s%s\n\n" % ["[indent]".repeat(_level), _mark, text, "[/indent]".repeat(_level)])
+			_add("%s%s %s%s\n\n" % ["[indent]".repeat(_indent), _bullet, text, "[/indent]".repeat(_indent)])
 	_block = ""
-	_mark = ""
-	_level = 0
+	_bullet = ""
+	_indent = 0
 
 
 func _add(bbcode: String) -> void:
@@ -87,21 +87,21 @@ func _add(bbcode: String) -> void:
 		parts[-1] += bbcode
 
 
-func _of_inline(text: String) -> String:
+func _inline_bbcode(text: String) -> String:
 	var result := ""
-	var at := 0
-	for found in _inline.search_all(text):
-		result += _escaped(text.substr(at, found.get_start() - at))
-		at = found.get_end()
-		if not found.get_string("code").is_empty():
-			result += "[code]%s[/code]" % _escaped(found.get_string("code"))
-		elif not found.get_string("bold").is_empty():
-			result += "[b]%s[/b]" % _of_inline(found.get_string("bold"))
-		elif not found.get_string("italic").is_empty():
-			result += "[i]%s[/i]" % _of_inline(found.get_string("italic"))
+	var position := 0
+	for element in _inline.search_all(text):
+		result += _escaped(text.substr(position, element.get_start() - position))
+		position = element.get_end()
+		if not element.get_string("code").is_empty():
+			result += "[code]%s[/code]" % _escaped(element.get_string("code"))
+		elif not element.get_string("bold").is_empty():
+			result += "[b]%s[/b]" % _inline_bbcode(element.get_string("bold"))
+		elif not element.get_string("italic").is_empty():
+			result += "[i]%s[/i]" % _inline_bbcode(element.get_string("italic"))
 		else:
-			result += "[url=%s]%s[/url]" % [found.get_string("link"), _of_inline(found.get_string("words"))]
-	return result + _escaped(text.substr(at))
+			result += "[url=%s]%s[/url]" % [element.get_string("link"), _inline_bbcode(element.get_string("words"))]
+	return result + _escaped(text.substr(position))
 
 
 static func _escaped(text: String) -> String:

@@ -119,10 +119,10 @@ func start() -> void:
 	hide()
 
 
-func _add_row(label: String, control: Control) -> void:
-	var name := Label.new()
-	name.text = label
-	_form.add_child(name)
+func _add_row(text: String, control: Control) -> void:
+	var label := Label.new()
+	label.text = text
+	_form.add_child(label)
 	control.size_flags_horizontal = Control.SIZE_EXPAND_FILL
 	_form.add_child(control)
 
@@ -162,8 +162,8 @@ func _read(reading: ImportInstances.Reading) -> void:
 ## Shows the instances that will be imported, or the reason why they cannot be.
 func _update_message() -> void:
 	var problems := _reading.problems.duplicate()
-	var tables := _reading.batches.any(func(batch: ImportInstances.Batch) -> bool: return batch.mesh == null)
-	if tables and _layer() == null:
+	var has_table := _reading.batches.any(func(batch: ImportInstances.Batch) -> bool: return batch.mesh == null)
+	if has_table and _layer() == null:
 		problems.append("A table does not name meshes: choose the layer for its instances.")
 	get_ok_button().disabled = _reading.size() == 0 or not problems.is_empty()
 	if not problems.is_empty():
@@ -171,9 +171,9 @@ func _update_message() -> void:
 	elif _reading.size() == 0:
 		_message.text = "Choose a node or a table to import."
 	else:
-		var parts := PackedStringArray()
+		var batch_texts := PackedStringArray()
 		for batch: ImportInstances.Batch in _reading.batches.slice(0, 5):
-			parts.append("%d %s" % [batch.size(), batch.name])
-		var rest := "" if _reading.batches.size() <= 5 else " and %d more" % (_reading.batches.size() - 5)
+			batch_texts.append("%d %s" % [batch.size(), batch.name])
+		var remainder := "" if _reading.batches.size() <= 5 else " and %d more" % (_reading.batches.size() - 5)
 		_message.text = "%d instances: %s%s. The source is not changed; hide it after the import." % [
-			_reading.size(), ", ".join(parts), rest]
+			_reading.size(), ", ".join(batch_texts), remainder]

@@ -5,16 +5,16 @@ extends Resource
 ## objects.
 
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
-## Properties that are specific to each layer, and therefore hidden.
-const OWN: PackedStringArray = ["meshes", "seed", "spacing", "script", "resource_local_to_scene", "resource_path", "resource_name"]
+## Properties that are specific to each layer and are therefore hidden.
+const INDIVIDUAL_PROPERTIES: PackedStringArray = ["meshes", "seed", "spacing", "script", "resource_local_to_scene", "resource_path", "resource_name"]
 
 var layers: Array[ScatterLayer] = []
 
 var _undo_redo: EditorUndoRedoManager
 
 
-func _init(chosen: Array[ScatterLayer] = [], undo_redo: EditorUndoRedoManager = null) -> void:
-	layers = chosen.duplicate()
+func _init(selected_layers: Array[ScatterLayer] = [], undo_redo: EditorUndoRedoManager = null) -> void:
+	layers = selected_layers.duplicate()
 	_undo_redo = undo_redo
 	if not layers.is_empty():
 		layers[0].property_list_changed.connect(_on_list_changed)
@@ -38,20 +38,20 @@ func _get_property_list() -> Array[Dictionary]:
 		var name: String = property.name
 		var is_title: bool = property.usage & (PROPERTY_USAGE_GROUP | PROPERTY_USAGE_SUBGROUP) or (
 				property.usage & PROPERTY_USAGE_CATEGORY and name == "ScatterLayer")
-		return is_title or property.usage & PROPERTY_USAGE_EDITOR and not name in OWN and not name in references)
+		return is_title or property.usage & PROPERTY_USAGE_EDITOR and not name in INDIVIDUAL_PROPERTIES and not name in references)
 
 
 func _validate_property(property: Dictionary) -> void:
-	if property.name in OWN:
+	if property.name in INDIVIDUAL_PROPERTIES:
 		property.usage = PROPERTY_USAGE_NO_EDITOR
 
 
 func _get(property: StringName) -> Variant:
-	return layers[0].get(property) if _has(property) else null
+	return layers[0].get(property) if _is_shared(property) else null
 
 
 func _set(property: StringName, value: Variant) -> bool:
-	if not _has(property):
+	if not _is_shared(property):
 		return false
 	_undo_redo.create_action("Set %s of %d Layers" % [property, layers.size()], UndoRedo.MERGE_ENDS, layers[0])
 	for layer in layers:
@@ -62,7 +62,7 @@ func _set(property: StringName, value: Variant) -> bool:
 
 
 func _property_can_revert(property: StringName) -> bool:
-	return _has(property) and layers.any(func(layer: ScatterLayer) -> bool: return layer.property_can_revert(property))
+	return _is_shared(property) and layers.any(func(layer: ScatterLayer) -> bool: return layer.property_can_revert(property))
 
 
 func _property_get_revert(property: StringName) -> Variant:
@@ -74,5 +74,5 @@ func _on_list_changed() -> void:
 	notify_property_list_changed()
 
 
-func _has(property: StringName) -> bool:
-	return not layers.is_empty() and not property in OWN and property in layers[0]
+func _is_shared(property: StringName) -> bool:
+	return not layers.is_empty() and not property in INDIVIDUAL_PROPERTIES and property in layers[0]

@@ -20,14 +20,14 @@ func _init(object: Resource, files: SceneFiles) -> void:
 
 
 func press() -> void:
-	var location := SceneFiles.place_of(_object)
+	var path_prefix := SceneFiles.path_prefix_of(_object)
 	var messages := PackedStringArray()
-	if location.is_empty():
+	if path_prefix.is_empty():
 		messages.append("The scene has no file yet. Save the scene first: materials are saved next to it.")
 	elif _object is ScatterLayer:
-		messages = FoliageMaterials.new(location).convert(_object as ScatterLayer, _files, EditorInterface.get_editor_undo_redo())
+		messages = FoliageMaterials.new(path_prefix).convert(_object as ScatterLayer, _files, EditorInterface.get_editor_undo_redo())
 	else:
-		messages = FoliageMaterials.new(location).convert_model(_object as ScatterModel, _files, EditorInterface.get_editor_undo_redo())
+		messages = FoliageMaterials.new(path_prefix).convert_model(_object as ScatterModel, _files, EditorInterface.get_editor_undo_redo())
 	if not messages.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(" ".join(messages), EditorToaster.SEVERITY_WARNING)
 

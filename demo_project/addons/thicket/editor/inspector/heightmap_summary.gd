@@ -9,7 +9,7 @@ const PICTURE_SIDE := 96.0 ## In pixels at an editor scale of 1.
 var _ground: ScatterGroundHeightmap
 var _picture := TextureRect.new()
 var _text := Label.new()
-var _shown := PackedByteArray() ## The pixels of the thumbnail.
+var _thumbnail_pixels := PackedByteArray() ## The pixels of the visible thumbnail.
 var _since_refresh := 0.0
 
 
@@ -25,7 +25,7 @@ func _init(ground: ScatterGroundHeightmap = null) -> void:
 	refresh()
 
 
-## Workers read files over several frames, so the summary is requested again and again.
+## Workers read files over several frames, so the summary is requested repeatedly.
 func _process(delta: float) -> void:
 	_since_refresh += delta
 	if _since_refresh >= REFRESH_SECONDS and is_visible_in_tree():
@@ -41,8 +41,8 @@ func refresh() -> void:
 	var thumbnail: Image = summary.get("thumbnail")
 	var pixels := thumbnail.get_data() if thumbnail != null else PackedByteArray()
 	_picture.visible = thumbnail != null
-	if pixels != _shown:
-		_shown = pixels
+	if pixels != _thumbnail_pixels:
+		_thumbnail_pixels = pixels
 		_picture.texture = ImageTexture.create_from_image(thumbnail) if thumbnail != null else null
 
 

@@ -39,7 +39,7 @@ func press() -> void:
 		job.cancel()
 		_end(false, "Canceled: no impostor was baked.")
 		return
-	var path := SceneFiles.place_of(_layer)
+	var path := SceneFiles.path_prefix_of(_layer)
 	if path.is_empty():
 		_end(false, "The scene has no file yet. Save the scene first: impostors are saved next to it.")
 	elif job.begin(_layer, path.get_base_dir(), path.get_file()) != OK:
@@ -51,9 +51,9 @@ func press() -> void:
 
 
 func _process(_delta: float) -> void:
-	var more := job.step()
+	var is_unfinished := job.step()
 	_bar.value = job.progress * 100.0
-	if more:
+	if is_unfinished:
 		return
 	if not job.problem.is_empty():
 		_end(false, job.problem)
@@ -74,7 +74,7 @@ func _process(_delta: float) -> void:
 ## Adds the files to the undo step that is being created. Undo removes new files and restores the content of replaced ones.
 func _add_files(undo: EditorUndoRedoManager) -> void:
 	var root := EditorInterface.get_edited_scene_root()
-	var new: Array[Mesh] = []
+	var new_meshes: Array[Mesh] = []
 	for mesh in job.baked:
 		if mesh == null:
 			continue
@@ -83,9 +83,9 @@ func _add_files(undo: EditorUndoRedoManager) -> void:
 			undo.add_do_method(_files, &"put", path, FileAccess.get_file_as_bytes(path), mesh)
 			undo.add_undo_method(_files, &"put", path, job.replaced[path].bytes, job.replaced[path].resource)
 		elif root != null: # Without a scene, nothing will refer to the new file.
-			new.append(mesh)
-	if not new.is_empty():
-		_files.add_new_to_undo(new, _layer, undo)
+			new_meshes.append(mesh)
+	if not new_meshes.is_empty():
+		_files.add_new_to_undo(new_meshes, _layer, undo)
 
 
 func _exit_tree() -> void:
@@ -102,5 +102,5 @@ func _end(written: bool, problem: String) -> void:
 	finished.emit(written)
 
 
-static func _toast(sentence: String) -> void:
-	EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)
+static func _toast(message: String) -> void:
+	EditorInterface.get_editor_toaster().push_toast(message, EditorToaster.SEVERITY_WARNING)

@@ -38,12 +38,12 @@ func _init(layers: Array[ScatterLayer] = []) -> void:
 
 func _fit(kind: String) -> void:
 	var undo_redo := EditorInterface.get_editor_undo_redo()
-	var with_meshes := _layers.filter(func(layer: ScatterLayer) -> bool: return not layer.meshes.is_empty())
-	if with_meshes.is_empty():
+	var layers := _layers.filter(func(layer: ScatterLayer) -> bool: return not layer.meshes.is_empty())
+	if layers.is_empty():
 		return
-	undo_redo.create_action("Fit to Meshes", UndoRedo.MERGE_DISABLE, with_meshes[0])
-	for layer: ScatterLayer in with_meshes:
-		var fitted := NewLayers.of_meshes(layer.meshes, KINDS[kind])
-		if fitted != null:
-			NewLayers.add_fit(layer, fitted, undo_redo)
+	undo_redo.create_action("Fit to Meshes", UndoRedo.MERGE_DISABLE, layers[0])
+	for layer: ScatterLayer in layers:
+		var template := NewLayers.of_meshes(layer.meshes, KINDS[kind])
+		if template != null:
+			NewLayers.add_fit(layer, template, undo_redo)
 	undo_redo.commit_action()

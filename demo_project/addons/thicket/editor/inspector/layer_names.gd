@@ -20,25 +20,25 @@ static func scatter_of(object: Object) -> TerrainScatter3D:
 	scatters.push_front(root)
 	for node: Node in scatters:
 		var scatter := node as TerrainScatter3D
-		if scatter != null and ScatterLayers.of(scatter).any(_is_of.bind(object)):
+		if scatter != null and ScatterLayers.of(scatter).any(_belongs_to.bind(object)):
 			return scatter
 	return null
 
 
 ## Returns true if an object is the layer, or a value source of the layer.
-static func _is_of(layer: ScatterLayer, object: Object) -> bool:
+static func _belongs_to(layer: ScatterLayer, object: Object) -> bool:
 	return layer != null and object in [layer, layer.color_value, layer.variation_value, layer.scale_value]
 
 
-## Returns the layers that an object can refer to, without the object itself. If [param before] is true, only includes layers that come before
+## Returns the layers that an object can refer to, without the object itself. If [param only_earlier] is true, only includes layers that come before
 ## it in the list.
-static func others(object: Object, before := false) -> Array[ScatterLayer]:
+static func others(object: Object, only_earlier := false) -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	var scatter := scatter_of(object)
 	if scatter == null:
 		return result
 	for layer in ScatterLayers.of(scatter):
-		if before and _is_of(layer, object):
+		if only_earlier and _belongs_to(layer, object):
 			break
 		if layer != null and layer != object:
 			result.append(layer)
@@ -46,7 +46,7 @@ static func others(object: Object, before := false) -> Array[ScatterLayer]:
 
 
 ## Returns the layers and their value sources, which may also refer to layers, without duplicates.
-static func referring(layers: Array[ScatterLayer]) -> Array[Resource]:
+static func with_value_sources(layers: Array[ScatterLayer]) -> Array[Resource]:
 	var result: Array[Resource] = []
 	for layer in layers:
 		for object: Resource in [layer, layer.color_value, layer.variation_value, layer.scale_value]:

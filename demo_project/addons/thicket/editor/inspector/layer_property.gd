@@ -27,15 +27,15 @@ func _update_property() -> void:
 	_button.clear()
 	_button.add_item("None")
 	_values = [""]
-	var chosen := 0
+	var selected_index := 0
 	for layer in Names.others(object, true):
 		if value and Names.layer_of(object, value) == layer:
-			chosen = _values.size()
+			selected_index = _values.size()
 		_add(Names.reference_to(layer), Names.title(object, layer))
-	if value and chosen == 0:
-		chosen = _values.size()
+	if value and selected_index == 0:
+		selected_index = _values.size()
 		_add(value, Names.title(object, value))
-	_button.select(chosen)
+	_button.select(selected_index)
 
 
 func _add(value: Variant, title: String) -> void:

@@ -9,16 +9,16 @@ const FIRST_DISTANCE := 1.0
 
 var _rows := VBoxContainer.new()
 var _add := MenuButton.new()
-var _addable: Array = []
-var _shown: Array = []
+var _addable_layers: Array = []
+var _row_keys: Array = []
 var _read_only := false
 
 
 func _init() -> void:
 	_add.text = "Add Layer"
 	_add.flat = false
-	_add.about_to_popup.connect(_list_addable)
-	_add.get_popup().index_pressed.connect(func(index: int) -> void: _set_distance(FIRST_DISTANCE, _addable[index], false))
+	_add.about_to_popup.connect(_list_addable_layers)
+	_add.get_popup().index_pressed.connect(func(index: int) -> void: _set_distance(FIRST_DISTANCE, _addable_layers[index], false))
 	add_child(_add)
 	add_focusable(_add)
 	add_child(_rows)
@@ -34,15 +34,15 @@ func _update_property() -> void:
 	var object := get_edited_object()
 	var spacing: Dictionary = object.get(get_edited_property())
 	# Existing rows are updated in place, because a slider that is being dragged must not be freed.
-	if spacing.keys() == _shown and _rows.get_child_count() == spacing.size():
-		for index in _shown.size():
-			(_rows.get_child(index).get_child(0) as EditorSpinSlider).set_value_no_signal(spacing[_shown[index]])
+	if spacing.keys() == _row_keys and _rows.get_child_count() == spacing.size():
+		for index in _row_keys.size():
+			(_rows.get_child(index).get_child(0) as EditorSpinSlider).set_value_no_signal(spacing[_row_keys[index]])
 		return
-	_shown = spacing.keys()
+	_row_keys = spacing.keys()
 	for row in _rows.get_children():
 		_rows.remove_child(row)
 		row.queue_free()
-	for key: Variant in _shown:
+	for key: Variant in _row_keys:
 		_rows.add_child(_make_row(key, Names.title(object, key), spacing[key]))
 
 
@@ -72,27 +72,27 @@ func _make_row(key: Variant, title: String, meters: float) -> Control:
 	return row
 
 
-func _list_addable() -> void:
+func _list_addable_layers() -> void:
 	var object := get_edited_object()
-	var named: Array = (object.get(get_edited_property()) as Dictionary).keys().map(
+	var present_layers: Array = (object.get(get_edited_property()) as Dictionary).keys().map(
 			func(key: Variant) -> ScatterLayer: return Names.layer_of(object, key))
 	var popup := _add.get_popup()
 	popup.clear()
-	_addable = []
+	_addable_layers = []
 	for layer in Names.others(object):
-		if not layer in named:
+		if not layer in present_layers:
 			popup.add_item(Names.title(object, layer))
-			_addable.append(Names.reference_to(layer))
-	if _addable.is_empty():
+			_addable_layers.append(Names.reference_to(layer))
+	if _addable_layers.is_empty():
 		popup.add_item("No other layer")
 		popup.set_item_disabled(0, true)
 
 
-func _set_distance(meters: float, key: Variant, changing: bool) -> void:
+func _set_distance(meters: float, key: Variant, is_changing: bool) -> void:
 	var spacing: Dictionary = get_edited_object().get(get_edited_property())
 	spacing = spacing.duplicate()
 	spacing[key] = meters
-	emit_changed(get_edited_property(), spacing, &"", changing)
+	emit_changed(get_edited_property(), spacing, &"", is_changing)
 
 
 func _remove(key: Variant) -> void:

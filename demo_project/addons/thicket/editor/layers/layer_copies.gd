@@ -16,9 +16,9 @@ static func of(layer: ScatterLayer, copies: Dictionary[Resource, Resource], with
 	return copies[layer]
 
 
-## Returns a name that is not in [param taken]: the name itself, or the name with a number.
-static func free_name(name: String, taken: PackedStringArray) -> String:
-	return ScatterLayer.new().find_free_name(name, taken)
+## Returns a name that is not in [param used_names]: the name itself, or the name with a number.
+static func free_name(name: String, used_names: PackedStringArray) -> String:
+	return ScatterLayer.new().find_free_name(name, used_names)
 
 
 ## Returns the names of layers, without null entries.

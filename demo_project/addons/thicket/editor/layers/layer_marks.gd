@@ -12,29 +12,29 @@ const HIDDEN := &"hidden"
 const LOCKED := &"locked"
 const COLOR := &"color"
 
-var _notes: Dictionary[int, Dictionary] = {} ## The marks of each layer, by the layer's instance ID.
+var _layer_marks: Dictionary[int, Dictionary] = {} ## The marks of each layer, by the layer's instance ID.
 
 
 func is_hidden(layer: ScatterLayer) -> bool:
-	return _note(layer, HIDDEN, false)
+	return _mark(layer, HIDDEN, false)
 
 
 func is_locked(layer: ScatterLayer) -> bool:
-	return _note(layer, LOCKED, false)
+	return _mark(layer, LOCKED, false)
 
 
 ## Returns the color mark of a layer, which is transparent if there is none.
 func color(layer: ScatterLayer) -> Color:
-	return _note(layer, COLOR, Color(0.0, 0.0, 0.0, 0.0))
+	return _mark(layer, COLOR, Color(0.0, 0.0, 0.0, 0.0))
 
 
 ## Sets a mark on a layer. [param name] is one of the constants above. A [param value] of null or false removes the mark.
 func put(layer: ScatterLayer, name: StringName, value: Variant) -> void:
-	var notes: Dictionary = _notes.get_or_add(layer.get_instance_id(), {})
+	var layer_marks: Dictionary = _layer_marks.get_or_add(layer.get_instance_id(), {})
 	if value:
-		notes[name] = value
+		layer_marks[name] = value
 	else:
-		notes.erase(name)
+		layer_marks.erase(name)
 	changed.emit()
 
 
@@ -47,13 +47,13 @@ func put_undoable(layers: Array[ScatterLayer], name: StringName, value: Variant,
 	undo_redo.create_action.callv(action)
 	for layer in layers:
 		undo_redo.add_do_method(self, &"put", layer, name, value)
-		undo_redo.add_undo_method(self, &"put", layer, name, _note(layer, name, null))
+		undo_redo.add_undo_method(self, &"put", layer, name, _mark(layer, name, null))
 	undo_redo.commit_action()
 
 
 ## Removes all marks.
 func clear() -> void:
-	_notes.clear()
+	_layer_marks.clear()
 	changed.emit()
 
 
@@ -67,12 +67,12 @@ func apply(scatter: TerrainScatter3D) -> void:
 func to_state(root: Node, scatters: Array[TerrainScatter3D]) -> Dictionary:
 	var state := {}
 	for scatter in scatters:
-		var notes := {}
+		var scatter_marks := {}
 		for layer in ScatterLayers.of(scatter):
-			if layer != null and _notes.get(layer.get_instance_id(), {}):
-				notes[layer.layer_id] = _notes[layer.get_instance_id()].duplicate()
-		if notes:
-			state[String(root.get_path_to(scatter))] = notes
+			if layer != null and _layer_marks.get(layer.get_instance_id(), {}):
+				scatter_marks[layer.layer_id] = _layer_marks[layer.get_instance_id()].duplicate()
+		if scatter_marks:
+			state[String(root.get_path_to(scatter))] = scatter_marks
 	return state
 
 
@@ -82,12 +82,12 @@ func from_state(root: Node, state: Dictionary) -> void:
 		var scatter := root.get_node_or_null(path) as TerrainScatter3D
 		if scatter == null:
 			continue
-		var notes: Dictionary = state[path]
+		var scatter_marks: Dictionary = state[path]
 		for layer in ScatterLayers.of(scatter):
-			if layer != null and notes.has(layer.layer_id):
-				_notes[layer.get_instance_id()] = (notes[layer.layer_id] as Dictionary).duplicate()
+			if layer != null and scatter_marks.has(layer.layer_id):
+				_layer_marks[layer.get_instance_id()] = (scatter_marks[layer.layer_id] as Dictionary).duplicate()
 	changed.emit()
 
 
-func _note(layer: ScatterLayer, name: StringName, otherwise: Variant) -> Variant:
-	return _notes[layer.get_instance_id()].get(name, otherwise) if layer != null and _notes.has(layer.get_instance_id()) else otherwise
+func _mark(layer: ScatterLayer, name: StringName, default: Variant) -> Variant:
+	return _layer_marks[layer.get_instance_id()].get(name, default) if layer != null and _layer_marks.has(layer.get_instance_id()) else default

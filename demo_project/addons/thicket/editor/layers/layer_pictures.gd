@@ -16,10 +16,10 @@ func ask(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	var first: Resource = null
 	for mesh: Resource in layer.meshes:
 		first = first if first != null else mesh
-	var of := hash([first.get_instance_id() if first != null else 0])
-	if _requested.get(layer.get_instance_id(), 0) == of or first == null:
+	var resource_hash := hash([first.get_instance_id() if first != null else 0])
+	if _requested.get(layer.get_instance_id(), 0) == resource_hash or first == null:
 		return
-	_requested[layer.get_instance_id()] = of
+	_requested[layer.get_instance_id()] = resource_hash
 	var previewer := EditorInterface.get_resource_previewer()
 	if first is Mesh:
 		previewer.queue_edited_resource_preview(first, self, &"_on_preview", [layer, scatter])
@@ -27,13 +27,13 @@ func ask(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 		previewer.queue_resource_preview(first.resource_path, self, &"_on_preview", [layer, scatter, first])
 
 
-func _on_preview(_path: String, preview: Texture2D, small: Texture2D, about: Array) -> void:
-	var layer: ScatterLayer = about[0]
-	var picture := preview if preview != null else small
+func _on_preview(_path: String, preview: Texture2D, small_preview: Texture2D, context: Array) -> void:
+	var layer: ScatterLayer = context[0]
+	var picture := preview if preview != null else small_preview
 	if picture != null:
 		made.emit(layer, picture)
-	elif about.size() > 2 and is_instance_valid(about[1]):
-		_request_drawn(about[1], layer)
+	elif context.size() > 2 and is_instance_valid(context[1]):
+		_request_drawn(context[1], layer)
 
 
 ## Requests a thumbnail of the mesh that is drawn for a scene, because a scene that was never saved in this editor has no thumbnail.

@@ -22,7 +22,7 @@ var _plugin: EditorPlugin
 var _toolbar: Toolbar
 var _scatter: TerrainScatter3D
 var _root: Node ## The root of the scene at the last update.
-var _appeared: Array[TerrainScatter3D] = []
+var _new_scatters: Array[TerrainScatter3D] = []
 
 
 func _init(plugin: EditorPlugin) -> void:
@@ -54,13 +54,13 @@ func leave() -> void:
 
 
 func set_scatter(scatter: TerrainScatter3D) -> void:
-	var others := scatter != _scatter
+	var has_changed := scatter != _scatter
 	_scatter = scatter
 	panel.set_scatter(scatter)
 	panel.choose(_toolbar.chosen)
 	if scatter != null:
 		marks.apply(scatter)
-	if others and scatter != null:
+	if has_changed and scatter != null:
 		_plugin.make_bottom_panel_item_visible(panel)
 
 
@@ -69,13 +69,13 @@ func refresh() -> void:
 	_root = EditorInterface.get_edited_scene_root()
 	steps.refresh(_scatter if is_instance_valid(_scatter) else null)
 	panel.refresh()
-	for scatter in _appeared:
+	for scatter in _new_scatters:
 		if is_instance_valid(scatter) and scatter.is_inside_tree():
 			var shared := Shared.find(scatter)
 			if shared.is_by_accident():
 				EditorInterface.get_editor_toaster().push_toast(
 						shared.describe(scatter.name) + " The Scatter panel makes it unique.", EditorToaster.SEVERITY_WARNING)
-	_appeared.clear()
+	_new_scatters.clear()
 
 
 ## Returns the marks on all layers of the scene, for the editor to save.
@@ -84,10 +84,10 @@ func state() -> Dictionary:
 	return marks.to_state(root, Shared.scatters_of(root)) if root != null else {}
 
 
-func set_state(saved: Dictionary) -> void:
+func set_state(saved_state: Dictionary) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root != null:
-		marks.from_state(root, saved)
+		marks.from_state(root, saved_state)
 
 
 func _apply_marks() -> void:
@@ -102,14 +102,14 @@ func _on_node_added(node: Node) -> void:
 		return
 	marks.apply(node as TerrainScatter3D)
 	if _is_in_open_scene(node):
-		_appeared.append(node as TerrainScatter3D)
+		_new_scatters.append(node as TerrainScatter3D)
 
 
 ## Shows a toast if a scene was dropped on the scatter's node. The editor adds such a scene as a child, but the user most likely wants a layer.
 func _warn_of_dropped_scene(node: Node) -> void:
 	if node.get_parent() is TerrainScatter3D and not node.scene_file_path.is_empty() and _is_in_open_scene(node):
 		EditorInterface.get_editor_toaster().push_toast(
-				"%s is now a node below %s. To scatter it, undo and drop its file onto the list in the Scatter panel." % [node.name, node.get_parent().name],
+				"%s is now a child of %s. To scatter it, undo and drop its file onto the list in the Scatter panel." % [node.name, node.get_parent().name],
 				EditorToaster.SEVERITY_WARNING)
 
 

@@ -50,13 +50,13 @@ var _files: SceneFiles
 var _marks: Marks
 var _steps: Steps
 var _scatter: TerrainScatter3D
-var _shown: Array = []
+var _shown_state: Array = []
 var _pictures := Pictures.new()
 var _empty := Label.new()
 var _add := MenuButton.new()
 var _copy: Button
 var _remove: Button
-var _apart := CheckBox.new()
+var _keep_apart := CheckBox.new()
 var _total := Label.new()
 var _colors := PopupMenu.new()
 var _colored: Array[ScatterLayer] = []
@@ -71,7 +71,7 @@ func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, st
 	undo_redo.version_changed.connect(refresh.call_deferred) # Updates immediately after undo and redo.
 	notes = Notes.new(undo_redo, files)
 	custom_minimum_size.y = HEIGHT * EditorInterface.get_editor_scale()
-	_make_head()
+	_add_header()
 	add_child(notes)
 	tree.marks = marks
 	tree.size_flags_vertical = SIZE_EXPAND_FILL
@@ -106,8 +106,8 @@ func set_scatter(scatter: TerrainScatter3D) -> void:
 
 ## Selects the rows of layers. Does not emit [signal layers_chosen].
 func choose(layers: Array[ScatterLayer]) -> void:
-	var chosen := tree.chosen_layers()
-	if layers.size() != chosen.size() or not layers.all(chosen.has): # If only the order differs, the selection is kept, so the last clicked row stays current.
+	var selection := tree.chosen_layers()
+	if layers.size() != selection.size() or not layers.all(selection.has): # If only the order differs, the selection is kept, so the last clicked row stays current.
 		tree.choose(layers)
 	_enable()
 
@@ -119,8 +119,8 @@ func refresh() -> void:
 	var layers := ScatterLayers.of(_scatter)
 	var biomes := PackedStringArray(layers.map(func(layer: ScatterLayer) -> String: return ScatterLayers.biome_name(_scatter, layer)))
 	var state: Array = [_scatter, layers.duplicate(), Copies.names(layers), biomes]
-	if state != _shown and not get_viewport().gui_is_dragging():
-		_shown = state
+	if state != _shown_state and not get_viewport().gui_is_dragging():
+		_shown_state = state
 		tree.show_layers(layers, biomes)
 		_enable()
 	_empty.text = "Drop meshes, scenes or layers here to add a layer for each." if _scatter != null and layers.is_empty() else ""
@@ -141,50 +141,50 @@ func refresh() -> void:
 
 ## Adds a layer for each of these resources that can be drawn, at an index, and selects the new layers. If the index is
 ## -1, each is inserted at a suitable position.
-func add(resources: Array[Resource], at := -1) -> void:
+func add(resources: Array[Resource], index := -1) -> void:
 	if not is_instance_valid(_scatter):
 		return
 	adding.emit()
-	var new := LayerEdits.add(_scatter, resources, at, keeps_apart(), _files, _undo_redo)
+	var new_layers := LayerEdits.add(_scatter, resources, index, keeps_apart(), _files, _undo_redo)
 	added.emit()
-	_show_toast(LayerEdits.left_out(resources, new))
-	if not new.is_empty():
-		_choose_new(new)
+	_show_toast(LayerEdits.skipped_message(resources, new_layers))
+	if not new_layers.is_empty():
+		_select_new_layers(new_layers)
 
 
 ## Returns true if new layers keep a distance from other layers.
 func keeps_apart() -> bool:
-	return _apart.button_pressed
+	return _keep_apart.button_pressed
 
 
 ## Adds copies of the selected layers, except for layers of biomes.
 func duplicate_chosen() -> void:
-	var chosen := _own_chosen()
-	if chosen.is_empty():
+	var layers := _selected_own_layers()
+	if layers.is_empty():
 		return
-	var copies := LayerEdits.copy(_scatter, chosen, keeps_apart(), _files, SceneFiles.edited_scene_path(), _undo_redo)
+	var copies := LayerEdits.copy(_scatter, layers, keeps_apart(), _files, SceneFiles.edited_scene_path(), _undo_redo)
 	if copies.is_empty():
 		_show_toast(_files.problem)
 	else:
-		_choose_new(copies)
+		_select_new_layers(copies)
 
 
 ## Deletes the selected layers, except for layers of biomes.
 func remove_chosen() -> void:
-	var chosen := _own_chosen()
-	if chosen.is_empty():
+	var layers := _selected_own_layers()
+	if layers.is_empty():
 		return
-	var at := _scatter.layers.find(chosen[0])
-	var messages := LayerEdits.remove(_scatter, chosen, _undo_redo)
+	var first_index := _scatter.layers.find(layers[0])
+	var messages := LayerEdits.remove(_scatter, layers, _undo_redo)
 	if not messages.is_empty():
 		_show_toast(" ".join(messages))
 	refresh()
 	# The inspector must not keep a deleted layer.
-	var left := _scatter.layers
-	if left.is_empty():
+	var remaining := _scatter.layers
+	if remaining.is_empty():
 		EditorInterface.edit_node(_scatter)
 	else:
-		_choose_new([left[clampi(at, 0, left.size() - 1)]] as Array[ScatterLayer])
+		_select_new_layers([remaining[clampi(first_index, 0, remaining.size() - 1)]] as Array[ScatterLayer])
 
 
 ## Adds a scatter to the edited scene and selects it. The scatter gets an unused seed and the ground of the scene's
@@ -211,10 +211,10 @@ func add_scatter() -> void:
 	EditorInterface.edit_node(scatter)
 
 
-func _make_head() -> void:
-	var head := HBoxContainer.new()
-	add_child(head)
-	_button(head, "New Scatter", &"New", "Add a scatter to the scene.", add_scatter)
+func _add_header() -> void:
+	var header := HBoxContainer.new()
+	add_child(header)
+	_button(header, "New Scatter", &"New", "Add a scatter to the scene.", add_scatter)
 	_add.text = "Add Layer"
 	_add.set_meta(&"icon", &"Add")
 	_add.tooltip_text = "Add layers. Files may also be dropped on the list."
@@ -226,15 +226,15 @@ func _make_head() -> void:
 	for index in Presets.NAMES.size():
 		popup.add_item(Presets.NAMES[index].capitalize(), Add.FIRST_PRESET + index)
 	popup.id_pressed.connect(_on_add)
-	head.add_child(_add)
-	_copy = _button(head, "Duplicate", &"Duplicate", "Duplicate the selected layers (Ctrl+D).", duplicate_chosen)
-	_remove = _button(head, "Delete", &"Remove", "Delete the selected layers (Delete).", remove_chosen)
-	_apart.text = "Keep apart"
-	_apart.button_pressed = true
-	_apart.tooltip_text = "New layers keep a distance from the other layers, calculated from their sizes (ScatterLayer.spacing)."
-	head.add_child(_apart)
-	head.add_spacer(false)
-	head.add_child(_total)
+	header.add_child(_add)
+	_copy = _button(header, "Duplicate", &"Duplicate", "Duplicate the selected layers (Ctrl+D).", duplicate_chosen)
+	_remove = _button(header, "Delete", &"Remove", "Delete the selected layers (Delete).", remove_chosen)
+	_keep_apart.text = "Keep apart"
+	_keep_apart.button_pressed = true
+	_keep_apart.tooltip_text = "New layers keep a distance from the other layers, calculated from their sizes (ScatterLayer.spacing)."
+	header.add_child(_keep_apart)
+	header.add_spacer(false)
+	header.add_child(_total)
 
 
 func _button(parent: Control, text: String, icon: StringName, tip: String, pressed: Callable) -> Button:
@@ -251,13 +251,13 @@ func _notification(what: int) -> void:
 
 func _enable() -> void:
 	_add.disabled = _scatter == null
-	var none := _own_chosen().is_empty()
-	_copy.disabled = none
-	_remove.disabled = none
+	var has_no_selection := _selected_own_layers().is_empty()
+	_copy.disabled = has_no_selection
+	_remove.disabled = has_no_selection
 
 
 ## Returns the selected layers, except for layers of biomes. A biome adds and removes its layers itself, and other scatters may share it.
-func _own_chosen() -> Array[ScatterLayer]:
+func _selected_own_layers() -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	if is_instance_valid(_scatter):
 		result = ScatterLayers.own(_scatter, tree.chosen_layers())
@@ -272,15 +272,15 @@ func _show_count(layer: ScatterLayer) -> int:
 	if _marks.is_hidden(layer):
 		text = "hidden in the editor"
 	elif watch != null:
-		text += " of ~" + PreviewBar.about(watch.estimate())
+		text += " of ~" + PreviewBar.rounded(watch.estimate())
 		note = "The view shows fewer instances than the game. See the bar below the view."
 	tree.show_count(layer, text, note)
 	return count
 
 
-func _choose_new(layers: Array[ScatterLayer]) -> void:
+func _select_new_layers(layers: Array[ScatterLayer]) -> void:
 	if get_viewport().gui_is_dragging(): # The user is still dropping files, whose rows are added afterward.
-		get_tree().process_frame.connect(_choose_new.bind(layers), CONNECT_ONE_SHOT)
+		get_tree().process_frame.connect(_select_new_layers.bind(layers), CONNECT_ONE_SHOT)
 		return
 	refresh()
 	tree.choose(layers)
@@ -296,7 +296,7 @@ func _on_chosen(layers: Array[ScatterLayer]) -> void:
 
 func _on_renamed(layer: ScatterLayer, text: String) -> void:
 	LayerEdits.rename(_scatter, layer, text, _undo_redo)
-	_shown = []
+	_shown_state = []
 	refresh.call_deferred() # Deferred, because the row is still being edited.
 
 
@@ -359,6 +359,6 @@ func _on_tree_input(event: InputEvent) -> void:
 	tree.accept_event()
 
 
-static func _show_toast(sentence: String) -> void:
-	if not sentence.is_empty():
-		EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)
+static func _show_toast(message: String) -> void:
+	if not message.is_empty():
+		EditorInterface.get_editor_toaster().push_toast(message, EditorToaster.SEVERITY_WARNING)

@@ -30,9 +30,9 @@ var marks: Marks
 
 var _layers: Array[ScatterLayer] = []
 var _pictures: Dictionary[int, Texture2D] = {} ## The thumbnails of layers, by the layer's instance ID.
-var _selecting := false
+var _is_selecting := false
 var _is_emitting := false
-var _clicked: ScatterLayer
+var _clicked_layer: ScatterLayer
 
 
 func _init() -> void:
@@ -59,9 +59,9 @@ func _init() -> void:
 ## Shows the layers of a scatter. Layers of a biome are below the name of the biome. Layers that were shown before keep their thumbnails, and
 ## selected layers stay selected.
 func show_layers(layers: Array[ScatterLayer], biomes: PackedStringArray) -> void:
-	var chosen := chosen_layers()
+	var selection := chosen_layers()
 	_layers = layers.duplicate()
-	_selecting = true
+	_is_selecting = true
 	clear()
 	var root := create_item()
 	var headings: Dictionary[String, TreeItem] = {"": root}
@@ -70,17 +70,17 @@ func show_layers(layers: Array[ScatterLayer], biomes: PackedStringArray) -> void
 			if not headings.has(biomes[index]):
 				headings[biomes[index]] = _add_heading(root, biomes[index])
 			_add_row(headings[biomes[index]], _layers[index])
-	_selecting = false
-	choose(chosen)
+	_is_selecting = false
+	choose(selection)
 
 
 func choose(layers: Array[ScatterLayer]) -> void:
-	_selecting = true
+	_is_selecting = true
 	deselect_all()
 	for row in rows():
 		if layer_of(row) in layers:
 			row.select(Column.NAME)
-	_selecting = false
+	_is_selecting = false
 
 
 func chosen_layers() -> Array[ScatterLayer]:
@@ -169,9 +169,9 @@ func _add_row(parent: TreeItem, layer: ScatterLayer) -> void:
 	row.set_text(Column.NAME, title)
 	row.set_tooltip_text(Column.NAME, title + (" (%s)" % layer.resource_path if Copies.is_file(layer) else ""))
 	row.set_editable(Column.NAME, true)
-	var side := roundi(PICTURE * EditorInterface.get_editor_scale())
-	row.set_icon_max_width(Column.NAME, side)
-	row.custom_minimum_height = side # Without this, rows would move under the mouse when thumbnails arrive.
+	var icon_size := roundi(PICTURE * EditorInterface.get_editor_scale())
+	row.set_icon_max_width(Column.NAME, icon_size)
+	row.custom_minimum_height = icon_size # Without this, rows would move under the mouse when thumbnails arrive.
 	row.set_icon(Column.NAME, _pictures.get(layer.get_instance_id(), get_theme_icon(&"MeshInstance3D", &"EditorIcons")))
 	row.set_text_alignment(Column.COUNT, HORIZONTAL_ALIGNMENT_RIGHT)
 	for column: int in [Column.COUNT, Column.MARKS]:
@@ -184,22 +184,22 @@ func _add_row(parent: TreeItem, layer: ScatterLayer) -> void:
 func _show_marks(row: TreeItem) -> void:
 	var layer := layer_of(row)
 	var color := marks.color(layer)
-	var hidden := marks.is_hidden(layer)
-	var locked := marks.is_locked(layer)
+	var is_hidden := marks.is_hidden(layer)
+	var is_locked := marks.is_locked(layer)
 	row.set_button(Column.MARKS, 0, get_theme_icon(&"GuiGraphNodePort" if color.a > 0.0 else &"ColorPick", &"EditorIcons"))
 	row.set_button_color(Column.MARKS, 0, color if color.a > 0.0 else Color(1.0, 1.0, 1.0, 0.5))
 	row.set_button_tooltip_text(Column.MARKS, 0, "Mark with a color in the editor only.")
-	row.set_button(Column.MARKS, 1, get_theme_icon(&"Lock" if locked else &"Unlock", &"EditorIcons"))
-	row.set_button_color(Column.MARKS, 1, Color(1.0, 1.0, 1.0, 1.0 if locked else 0.5))
-	row.set_button_tooltip_text(Column.MARKS, 1, "Locked: tools do not change the layer." if locked else "Lock: prevent tools from changing the layer.")
-	row.set_button(Column.MARKS, 2, get_theme_icon(&"GuiVisibilityHidden" if hidden else &"GuiVisibilityVisible", &"EditorIcons"))
-	row.set_button_tooltip_text(Column.MARKS, 2, "Hidden in the editor, but visible in the game." if hidden else "Hide in the editor only.")
+	row.set_button(Column.MARKS, 1, get_theme_icon(&"Lock" if is_locked else &"Unlock", &"EditorIcons"))
+	row.set_button_color(Column.MARKS, 1, Color(1.0, 1.0, 1.0, 1.0 if is_locked else 0.5))
+	row.set_button_tooltip_text(Column.MARKS, 1, "Locked: tools do not change the layer." if is_locked else "Lock: prevent tools from changing the layer.")
+	row.set_button(Column.MARKS, 2, get_theme_icon(&"GuiVisibilityHidden" if is_hidden else &"GuiVisibilityVisible", &"EditorIcons"))
+	row.set_button_tooltip_text(Column.MARKS, 2, "Hidden in the editor, but visible in the game." if is_hidden else "Hide in the editor only.")
 	for column in columns:
 		if color.a > 0.0:
 			row.set_custom_bg_color(column, Color(color, 0.15))
 		else:
 			row.clear_custom_bg_color(column)
-		row.set_custom_color(column, get_theme_color(&"font_color", &"Tree") * Color(1.0, 1.0, 1.0, 0.5 if hidden else 1.0))
+		row.set_custom_color(column, get_theme_color(&"font_color", &"Tree") * Color(1.0, 1.0, 1.0, 0.5 if is_hidden else 1.0))
 
 
 func _notification(what: int) -> void:
@@ -207,23 +207,23 @@ func _notification(what: int) -> void:
 		update_marks()
 
 
-func _on_multi_selected(row: TreeItem, _column: int, selected: bool) -> void:
-	if _selecting:
+func _on_multi_selected(row: TreeItem, _column: int, is_selected: bool) -> void:
+	if _is_selecting:
 		return
-	if selected:
-		_clicked = layer_of(row)
+	if is_selected:
+		_clicked_layer = layer_of(row)
 	if not _is_emitting: # One click may select and deselect several rows, but the signal is emitted only once.
 		_is_emitting = true
-		_tell_chosen.call_deferred()
+		_emit_selection.call_deferred()
 
 
-func _tell_chosen() -> void:
+func _emit_selection() -> void:
 	_is_emitting = false
-	var chosen := chosen_layers()
-	if chosen.has(_clicked):
-		chosen.erase(_clicked)
-		chosen.push_front(_clicked)
-	layers_chosen.emit(chosen)
+	var selection := chosen_layers()
+	if selection.has(_clicked_layer):
+		selection.erase(_clicked_layer)
+		selection.push_front(_clicked_layer)
+	layers_chosen.emit(selection)
 
 
 func _on_edited() -> void:
@@ -236,39 +236,39 @@ func _on_button(row: TreeItem, _column: int, id: int, _mouse_button: int) -> voi
 	mark_pressed.emit(layer_of(row), MARKS[id])
 
 
-func _get_drag_data(_at: Vector2) -> Variant:
-	var chosen: Array[ScatterLayer] = chosen_layers().filter(func(layer: ScatterLayer) -> bool: return _is_own(row_of(layer)))
-	if chosen.is_empty():
+func _get_drag_data(_point: Vector2) -> Variant:
+	var dragged_layers: Array[ScatterLayer] = chosen_layers().filter(func(layer: ScatterLayer) -> bool: return _is_in_scatter_list(row_of(layer)))
+	if dragged_layers.is_empty():
 		return null
 	var preview := Label.new()
-	preview.text = ", ".join(Copies.names(chosen))
+	preview.text = ", ".join(Copies.names(dragged_layers))
 	set_drag_preview(preview)
-	return {"type": DRAGGED, "tree": self, "layers": chosen}
+	return {"type": DRAGGED, "tree": self, "layers": dragged_layers}
 
 
-func _can_drop_data(at: Vector2, data: Variant) -> bool:
+func _can_drop_data(point: Vector2, data: Variant) -> bool:
 	drop_mode_flags = DROP_MODE_INBETWEEN
 	if data is Dictionary and (data as Dictionary).get("type") == DRAGGED:
-		return data["tree"] == self and _place_at(at) >= 0
+		return data["tree"] == self and _insert_index_at(point) >= 0
 	return MeshDrop.can_take(data, true)
 
 
-func _drop_data(at: Vector2, data: Variant) -> void:
-	var to := _place_at(at)
+func _drop_data(point: Vector2, data: Variant) -> void:
+	var target_index := _insert_index_at(point)
 	if (data as Dictionary).get("type") == DRAGGED:
-		layers_moved.emit(data["layers"], to)
+		layers_moved.emit(data["layers"], target_index)
 	else:
-		resources_dropped.emit(MeshDrop.taken(data, true), to)
+		resources_dropped.emit(MeshDrop.resources_in(data, true), target_index)
 
 
 ## Returns true for the row of a layer in the scatter's list, not in a biome.
-func _is_own(row: TreeItem) -> bool:
+func _is_in_scatter_list(row: TreeItem) -> bool:
 	return row.get_parent() == get_root() and row.get_metadata(Column.NAME) != null
 
 
 ## Returns the index in the scatter's list at which to insert dropped layers, or -1 if the position is not on a row of that list.
-func _place_at(at: Vector2) -> int:
-	var row := get_item_at_position(at)
-	if row == null or not _is_own(row):
+func _insert_index_at(point: Vector2) -> int:
+	var row := get_item_at_position(point)
+	if row == null or not _is_in_scatter_list(row):
 		return -1
-	return _layers.find(layer_of(row)) + (1 if get_drop_section_at_position(at) > 0 else 0)
+	return _layers.find(layer_of(row)) + (1 if get_drop_section_at_position(point) > 0 else 0)

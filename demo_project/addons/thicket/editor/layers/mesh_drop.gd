@@ -25,12 +25,12 @@ func _init(object: Object, files: SceneFiles) -> void:
 	add_child(label)
 
 
-func _can_drop_data(_at: Vector2, data: Variant) -> bool:
+func _can_drop_data(_point: Vector2, data: Variant) -> bool:
 	return can_take(data)
 
 
-func _drop_data(_at: Vector2, data: Variant) -> void:
-	add(_object, taken(data), _files, EditorInterface.get_editor_undo_redo())
+func _drop_data(_point: Vector2, data: Variant) -> void:
+	add(_object, resources_in(data), _files, EditorInterface.get_editor_undo_redo())
 
 
 ## Adds the dropped resources to a layer or a scatter, as one undo step. A scatter leaves out those that cannot be
@@ -41,7 +41,7 @@ static func add(object: Object, dropped: Array[Resource], files: SceneFiles, und
 		_add_to_layer(object as ScatterLayer, dropped, undo_redo)
 	else:
 		var scatter := object as TerrainScatter3D
-		_show_toast(LayerEdits.left_out(dropped, LayerEdits.add(scatter, dropped, scatter.layers.size(), true, files, undo_redo)))
+		_show_toast(LayerEdits.skipped_message(dropped, LayerEdits.add(scatter, dropped, scatter.layers.size(), true, files, undo_redo)))
 
 
 ## Returns true if all dragged resources can be drawn. If [param with_layers] is true, layers are accepted as well.
@@ -50,7 +50,7 @@ static func can_take(data: Variant, with_layers := false) -> bool:
 
 
 ## Returns the dragged resources, or an empty array if [method can_take] returns false.
-static func taken(data: Variant, with_layers := false) -> Array[Resource]:
+static func resources_in(data: Variant, with_layers := false) -> Array[Resource]:
 	var result: Array[Resource] = []
 	if _resource(data, with_layers) != null:
 		result.append(_resource(data, with_layers))
@@ -61,23 +61,23 @@ static func taken(data: Variant, with_layers := false) -> Array[Resource]:
 	return result.filter(func(resource: Resource) -> bool: return resource != null)
 
 
-static func _show_toast(sentence: String) -> void:
-	if not sentence.is_empty():
-		EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)
+static func _show_toast(message: String) -> void:
+	if not message.is_empty():
+		EditorInterface.get_editor_toaster().push_toast(message, EditorToaster.SEVERITY_WARNING)
 
 
 static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_redo: EditorUndoRedoManager) -> void:
-	var old := layer.meshes
-	var fitted := NewLayers.of_meshes(old + dropped)
-	if fitted == null:
+	var old_meshes := layer.meshes
+	var template := NewLayers.of_meshes(old_meshes + dropped)
+	if template == null:
 		var rejected := dropped.filter(func(resource: Resource) -> bool: return NewLayers.of_meshes([resource]) == null)
-		_show_toast(LayerEdits.left_out(rejected, []))
+		_show_toast(LayerEdits.skipped_message(rejected, []))
 		return
 	undo_redo.create_action("Add Meshes", UndoRedo.MERGE_DISABLE, layer)
-	undo_redo.add_do_property(layer, &"meshes", old + dropped)
-	undo_redo.add_undo_property(layer, &"meshes", old)
-	if old.is_empty():
-		NewLayers.add_fit(layer, fitted, undo_redo)
+	undo_redo.add_do_property(layer, &"meshes", old_meshes + dropped)
+	undo_redo.add_undo_property(layer, &"meshes", old_meshes)
+	if old_meshes.is_empty():
+		NewLayers.add_fit(layer, template, undo_redo)
 	undo_redo.commit_action()
 
 

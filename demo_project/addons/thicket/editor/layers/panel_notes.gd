@@ -24,9 +24,9 @@ var _scatter: TerrainScatter3D
 var _ground: HBoxContainer
 var _sharing: HBoxContainer
 var _gray: HBoxContainer
-var _accepted: Dictionary[String, bool] = {} ## The paths of scenes for which the user has hidden the note about surroundings.
+var _hidden_for: Dictionary[String, bool] = {} ## The paths of scenes for which the user has hidden the note about surroundings.
 var _shared: Shared.Shared
-var _looks := 0
+var _update_count := 0
 
 
 func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
@@ -34,37 +34,37 @@ func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
 	_files = files
 	_ground = _row(&"NodeWarning")
 	_label(_ground).text = "The scatter has no ground, so no instances are placed."
-	var choose := Button.new()
-	choose.text = "Use as Ground..."
-	choose.tooltip_text = "Choose a mesh or a static body of the scene. For other kinds of ground, use the Ground property in the inspector."
-	choose.pressed.connect(ground_wanted.emit)
-	_ground.add_child(choose)
+	var choose_button := Button.new()
+	choose_button.text = "Use as Ground..."
+	choose_button.tooltip_text = "Choose a mesh or a static body of the scene. For other kinds of ground, use the Ground property in the inspector."
+	choose_button.pressed.connect(ground_wanted.emit)
+	_ground.add_child(choose_button)
 	_sharing = _row(&"NodeWarning")
-	var unique := Button.new()
-	unique.text = "Make Unique..."
-	unique.pressed.connect(ask_to_make_unique)
-	_sharing.add_child(unique)
+	var unique_button := Button.new()
+	unique_button.text = "Make Unique..."
+	unique_button.pressed.connect(ask_to_make_unique)
+	_sharing.add_child(unique_button)
 	_gray = _row(&"NodeInfo")
-	var surround := Button.new()
-	surround.text = "Add Camera, Sun, Sky and Wind"
-	surround.tooltip_text = "Adds the missing parts to the scene. The camera gets the position and the direction of this view."
-	surround.pressed.connect(_surround)
-	_gray.add_child(surround)
-	var accept := Button.new()
-	accept.text = "Not Here"
-	accept.tooltip_text = "Hides this note. Use it if another scene contains these parts."
-	accept.pressed.connect(_accept_gray)
-	_gray.add_child(accept)
+	var surround_button := Button.new()
+	surround_button.text = "Add Camera, Sun, Sky and Wind"
+	surround_button.tooltip_text = "Adds the missing parts to the scene. The camera gets the position and the direction of this view."
+	surround_button.pressed.connect(_add_surroundings)
+	_gray.add_child(surround_button)
+	var accept_button := Button.new()
+	accept_button.text = "Not Here"
+	accept_button.tooltip_text = "Hides this note. Use it if another scene contains these parts."
+	accept_button.pressed.connect(_accept_gray)
+	_gray.add_child(accept_button)
 	add_child(dialog)
 	dialog.decided.connect(make_unique)
 
 
 ## Updates the notes about a scatter, which may be null.
 func refresh(scatter: TerrainScatter3D) -> void:
-	if scatter != _scatter or _looks % SEARCH_EVERY == 0:
+	if scatter != _scatter or _update_count % SEARCH_EVERY == 0:
 		_shared = Shared.find(scatter) if scatter != null else null
-		_looks = 0
-	_looks += 1
+		_update_count = 0
+	_update_count += 1
 	_scatter = scatter
 	_ground.visible = scatter != null and scatter.ground == null
 	_sharing.visible = _shared != null and _shared.is_by_accident()
@@ -98,7 +98,7 @@ func make_unique(new_seed: bool, with_files: bool) -> void:
 	var problem := Shared.make_unique(_scatter, new_seed, with_files, _files, SceneFiles.edited_scene_path(), _undo_redo)
 	if not problem.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(problem, EditorToaster.SEVERITY_ERROR)
-	_looks = 0
+	_update_count = 0
 	refresh(_scatter)
 
 
@@ -106,12 +106,12 @@ func make_unique(new_seed: bool, with_files: bool) -> void:
 func _update_surroundings_note() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	_gray.visible = root != null and _scatter != null and _scatter.ground != null and not _scatter.layers.is_empty() and (
-			not _accepted.has(root.scene_file_path)) and Surroundings.is_gray(root)
+			not _hidden_for.has(root.scene_file_path)) and Surroundings.is_gray(root)
 	if _gray.visible:
 		_label(_gray).text = "The game would show a gray window: this scene has no %s." % ", no ".join(Surroundings.missing(root))
 
 
-func _surround() -> void:
+func _add_surroundings() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root != null:
 		Surroundings.add(root, EditorInterface.get_editor_viewport_3d(0).get_camera_3d().global_transform, _undo_redo)
@@ -121,7 +121,7 @@ func _surround() -> void:
 func _accept_gray() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root != null:
-		_accepted[root.scene_file_path] = true
+		_hidden_for[root.scene_file_path] = true
 		refresh(_scatter)
 
 

@@ -21,23 +21,23 @@ static func open(name: String) -> TerrainScatter3D:
 	return source
 
 
-## Adds a preset's layers to a scatter, as one undo step. If [param apart] is true, they keep distances from the scatter's existing layers. On a
+## Adds a preset's layers to a scatter, as one undo step. If [param keeps_apart] is true, they keep distances from the scatter's existing layers. On a
 ## planet, they grow on all sides. On other ground, they grow on its top: with dense meshes, surfaces would make their tiles 200 times slower. A preset
 ## with water enables the scatter's water.
-static func add(name: String, scatter: TerrainScatter3D, apart: bool, undo_redo: EditorUndoRedoManager) -> void:
+static func add(name: String, scatter: TerrainScatter3D, keeps_apart: bool, undo_redo: EditorUndoRedoManager) -> void:
 	var source := open(name)
 	if source == null:
 		return
-	var old := scatter.layers
-	var added := _copied(source, Copies.names(old))
+	var old_layers := scatter.layers
+	var preset_layers := _copy_layers(source, Copies.names(old_layers))
 	if SurfacePlace.is_planet(scatter):
-		NewLayers.use_levels(added, scatter.ground)
-	if apart:
-		NewLayers.give_way(added, old)
-	var new: Array[ScatterLayer] = old + added
+		NewLayers.use_levels(preset_layers, scatter.ground)
+	if keeps_apart:
+		NewLayers.keep_from(preset_layers, old_layers)
+	var new_layers: Array[ScatterLayer] = old_layers + preset_layers
 	undo_redo.create_action("Add Layers: " + name.capitalize(), UndoRedo.MERGE_DISABLE, scatter)
-	undo_redo.add_do_property(scatter, &"layers", new)
-	undo_redo.add_undo_property(scatter, &"layers", old)
+	undo_redo.add_do_property(scatter, &"layers", new_layers)
+	undo_redo.add_undo_property(scatter, &"layers", old_layers)
 	if source.water_enabled and not scatter.water_enabled:
 		undo_redo.add_do_property(scatter, &"water_enabled", true)
 		undo_redo.add_undo_property(scatter, &"water_enabled", false)
@@ -45,30 +45,30 @@ static func add(name: String, scatter: TerrainScatter3D, apart: bool, undo_redo:
 	undo_redo.commit_action()
 
 
-## Returns copies of a preset's layers. Names that are in [param taken] get a number, and references to the layers are updated.
-static func _copied(source: TerrainScatter3D, taken: PackedStringArray) -> Array[ScatterLayer]:
+## Returns copies of a preset's layers. Names that are in [param used_names] get a number, and references to the layers are updated.
+static func _copy_layers(source: TerrainScatter3D, used_names: PackedStringArray) -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	var copies: Dictionary[Resource, Resource] = {}
 	for layer in source.layers:
 		var copy := Copies.of(layer, copies)
 		copy.layer_id = -1 # The scatter to which the layer is added assigns an ID.
 		result.append(copy)
-	_rename(result, taken)
+	_rename(result, used_names)
 	return result
 
 
-static func _rename(new_layers: Array[ScatterLayer], taken: PackedStringArray) -> void:
+static func _rename(new_layers: Array[ScatterLayer], used_names: PackedStringArray) -> void:
 	var names := {}
 	for layer in new_layers:
-		var name := Copies.free_name(layer.resource_name, taken)
+		var name := Copies.free_name(layer.resource_name, used_names)
 		names[layer.resource_name] = name
 		layer.resource_name = name
 	for layer in new_layers:
 		var spacing := layer.spacing
-		var renamed := {}
+		var new_spacing := {}
 		for key: Variant in spacing:
-			renamed[names.get(key, key)] = spacing[key]
-		layer.spacing = renamed
-	for object in Names.referring(new_layers):
+			new_spacing[names.get(key, key)] = spacing[key]
+		layer.spacing = new_spacing
+	for object in Names.with_value_sources(new_layers):
 		for property in Names.reference_properties(object):
 			object.set(property, names.get(object.get(property), object.get(property)))

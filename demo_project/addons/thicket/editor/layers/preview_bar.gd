@@ -43,24 +43,24 @@ func update() -> void:
 	if _watch == null:
 		return
 	var title := _watch.layer.resource_name if _watch.layer.resource_name else "The layer"
-	var now := about(_watch.count)
-	var all := about(_watch.estimate())
+	var shown_text := rounded(_watch.count)
+	var total_text := rounded(_watch.estimate())
 	match _watch.state:
 		Steps.State.ASKING:
-			_message.text = "%s would show about %s instances instead of %s." % [title, all, now]
+			_message.text = "%s would show about %s instances instead of %s." % [title, total_text, shown_text]
 		Steps.State.KEPT:
-			_message.text = "The view shows %s of about %s instances of %s; the game shows all." % [now, all, title]
+			_message.text = "The view shows %s of about %s instances of %s; the game shows all." % [shown_text, total_text, title]
 		Steps.State.GROWING:
-			_message.text = "%s: %s of about %s instances visible." % [title, now, all]
+			_message.text = "%s: %s of about %s instances visible." % [title, shown_text, total_text]
 	_message.tooltip_text = _message.text
 	_show.text = "Show Them" if _watch.state == Steps.State.ASKING else "Show All"
 	_show.visible = _watch.state != Steps.State.GROWING
-	_keep.text = "Stop" if _watch.state == Steps.State.GROWING else "Keep %s" % now
+	_keep.text = "Stop" if _watch.state == Steps.State.GROWING else "Keep %s" % shown_text
 	_keep.visible = _watch.state != Steps.State.KEPT
 
 
 ## Returns a number as text, rounded to two significant digits, with thousands separators.
-static func about(number: float) -> String:
+static func rounded(number: float) -> String:
 	var digits := maxi(0, floori(log(maxf(number, 1.0)) / log(10.0)) - 1)
 	return NumberText.grouped(roundi(snappedf(number, pow(10.0, digits))))
 

@@ -11,9 +11,9 @@ signal limits_changed
 
 enum State { ASKING, KEPT, GROWING }
 
-## The user must confirm an increase by more than this factor if it results in more than [constant FEW] instances.
-const MANY := 10.0
-const FEW := 50000.0
+## The user must confirm an increase by more than this factor if it results in more than [constant MIN_COUNT] instances.
+const MAX_FACTOR := 10.0
+const MIN_COUNT := 50000.0
 ## The largest factor from one step to the next.
 const STEP := 4.0
 
@@ -79,14 +79,14 @@ func limited_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
 func refresh(scatter: TerrainScatter3D) -> void:
 	for watch: Watch in _watches.duplicate():
 		if not is_instance_valid(watch.scatter) or not watch.layer in ScatterLayers.of(watch.scatter):
-			_forget(watch)
+			_stop_watching(watch)
 	if is_instance_valid(scatter):
 		for layer in ScatterLayers.of(scatter):
 			if layer != null and not _watches.any(func(watch: Watch) -> bool: return watch.layer == layer and watch.scatter == scatter):
-				_begin(scatter, layer)
+				_start_watching(scatter, layer)
 	for watch in _watches:
 		if watch.scatter.is_inside_tree() and watch.scatter.is_settled():
-			_settled(watch)
+			_on_settled(watch)
 
 
 ## Increases the number of instances in the view in steps until all of them are shown.
@@ -104,10 +104,10 @@ func keep(watch: Watch) -> void:
 ## Shows all layers with their own values and stops watching them.
 func clear() -> void:
 	for watch: Watch in _watches.duplicate():
-		_forget(watch)
+		_stop_watching(watch)
 
 
-func _begin(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
+func _start_watching(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	var watch := Watch.new()
 	watch.scatter = scatter
 	watch.layer = layer
@@ -118,7 +118,7 @@ func _begin(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	_watches.append(watch)
 
 
-func _forget(watch: Watch) -> void:
+func _stop_watching(watch: Watch) -> void:
 	watch.layer.changed.disconnect(watch.notify)
 	_watches.erase(watch)
 	if watch.is_limited:
@@ -133,7 +133,7 @@ func _on_changed(watch: Watch) -> void:
 	if not is_instance_valid(watch.scatter):
 		return
 	var estimate := watch.estimate()
-	if estimate <= maxf(MANY * watch.count, FEW):
+	if estimate <= maxf(MAX_FACTOR * watch.count, MIN_COUNT):
 		if watch.is_limited:
 			watch.show([])
 			limits_changed.emit()
@@ -146,7 +146,7 @@ func _on_changed(watch: Watch) -> void:
 		limits_changed.emit()
 
 
-func _settled(watch: Watch) -> void:
+func _on_settled(watch: Watch) -> void:
 	if watch.is_limited and watch.state == State.GROWING:
 		watch.count = watch.scatter.get_shown_count(watch.layer)
 		_step(watch)
@@ -159,13 +159,13 @@ func _settled(watch: Watch) -> void:
 
 ## Takes the next step toward the layer's values. The last step shows the layer itself.
 func _step(watch: Watch) -> void:
-	var wanted := watch.numbers()
-	var times := Watch.density_of(wanted) / maxf(Watch.density_of(watch.shown), 1e-9)
-	if times <= STEP:
+	var target := watch.numbers()
+	var factor := Watch.density_of(target) / maxf(Watch.density_of(watch.shown), 1e-9)
+	if factor <= STEP:
 		watch.show([])
 	else:
-		var part := log(STEP) / log(times)
-		for index in wanted.size():
-			watch.shown[index] = maxf(watch.shown[index], 1e-3) * pow(maxf(wanted[index], 1e-3) / maxf(watch.shown[index], 1e-3), part)
+		var step_fraction := log(STEP) / log(factor)
+		for index in target.size():
+			watch.shown[index] = maxf(watch.shown[index], 1e-3) * pow(maxf(target[index], 1e-3) / maxf(watch.shown[index], 1e-3), step_fraction)
 		watch.show(watch.shown)
 	limits_changed.emit()

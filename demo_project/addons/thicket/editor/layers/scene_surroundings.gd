@@ -24,11 +24,11 @@ static func is_gray(root: Node) -> bool:
 	return parts.has("camera") or parts.has("sun") and parts.has("sky")
 
 
-## Adds the missing parts below the root, as one undo step. The camera gets the transform of the editor's view.
+## Adds the missing parts as children of the root, as one undo step. The camera gets the transform of the editor's view.
 static func add(root: Node, view: Transform3D, undo_redo: EditorUndoRedoManager) -> void:
 	undo_redo.create_action("Add Camera, Sun, Sky and Wind", UndoRedo.MERGE_DISABLE, root)
 	for part in missing(root):
-		var node := _make(part, _below(root, view))
+		var node := _make(part, _to_local(root, view))
 		node.name = part.capitalize()
 		undo_redo.add_do_method(root, &"add_child", node, true)
 		undo_redo.add_do_property(node, &"owner", root)
@@ -38,7 +38,7 @@ static func add(root: Node, view: Transform3D, undo_redo: EditorUndoRedoManager)
 
 
 ## Converts a global transform to the local space of the root, which may be moved or rotated.
-static func _below(root: Node, transform: Transform3D) -> Transform3D:
+static func _to_local(root: Node, transform: Transform3D) -> Transform3D:
 	return (root as Node3D).global_transform.affine_inverse() * transform if root is Node3D else transform
 
 

@@ -18,7 +18,7 @@ class Shared:
 	## True if another scatter uses the same state.
 	var state := false
 	## True if that state contains a designer's changes, not a game's changes.
-	var by_hand := false
+	var has_hand_edits := false
 	## True if the seed is the same, so that the same layers have the same instances.
 	var seed := false
 	## The names of the scatters and scenes with which resources are shared.
@@ -26,7 +26,7 @@ class Shared:
 
 	## Returns true if the user probably did not intend to share the resources.
 	func is_by_accident() -> bool:
-		return not layers.is_empty() or not masks.is_empty() or by_hand
+		return not layers.is_empty() or not masks.is_empty() or has_hand_edits
 
 	## Returns a message that describes the sharing.
 	func describe(name: String) -> String:
@@ -39,39 +39,39 @@ class Shared:
 			parts.append("its state")
 		if seed:
 			parts.append("its seed")
-		var what := " and ".join(PackedStringArray([", ".join(parts.slice(0, -1)), parts[-1]])) if parts.size() > 1 else parts[0]
-		var follows := ": both show the same instances" if seed and not layers.is_empty() else ""
-		return "%s shares %s with %s%s." % [name, what, ", ".join(others), follows]
+		var resources := " and ".join(PackedStringArray([", ".join(parts.slice(0, -1)), parts[-1]])) if parts.size() > 1 else parts[0]
+		var effect := ": both show the same instances" if seed and not layers.is_empty() else ""
+		return "%s shares %s with %s%s." % [name, resources, ", ".join(others), effect]
 
 
 ## Finds the resources that a scatter shares with other scatters in the open scenes and with scenes whose masks or states it uses.
 static func find(scatter: TerrainScatter3D) -> Shared:
 	var result := Shared.new()
-	var own: Array[ScatterLayer] = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null)
+	var own_layers: Array[ScatterLayer] = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null)
 	var state := scatter.state
 	var scenes := PackedStringArray()
 	for other in open_scatters():
 		if other == scatter:
 			continue
-		var before := result.layers.size() + result.masks.size()
+		var old_count := result.layers.size() + result.masks.size()
 		for layer in other.layers:
 			if layer == null:
 				continue
-			if layer in own:
+			if layer in own_layers:
 				(result.files if Copies.is_file(layer) else result.layers).append(layer)
-			for own_layer in own:
+			for own_layer in own_layers:
 				var mask := own_layer.mask
 				if mask != null and mask == layer.mask and own_layer != layer and not result.masks.has(mask.resource_path):
 					result.masks.append(mask.resource_path)
 		var same_state := state != null and other.state == state
-		if result.layers.size() + result.masks.size() > before or same_state and state.copy_at_runtime:
+		if result.layers.size() + result.masks.size() > old_count or same_state and state.copy_at_runtime:
 			var other_path := _scene_of(other)
 			scenes.append(other_path.get_basename())
 			result.others.append(other.name if other_path == _scene_of(scatter) else StringName("%s of %s" % [other.name, other_path.get_file()]))
 			result.seed = result.seed or other.seed == scatter.seed
 			result.state = result.state or same_state
-			result.by_hand = result.by_hand or same_state and state.copy_at_runtime
-	_find_files_of_other_scenes(scatter, own, scenes, result)
+			result.has_hand_edits = result.has_hand_edits or same_state and state.copy_at_runtime
+	_find_files_of_other_scenes(scatter, own_layers, scenes, result)
 	return result
 
 
@@ -99,18 +99,18 @@ static func scatters_of(root: Node) -> Array[TerrainScatter3D]:
 ## on success, or the reason for a failure.
 static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: bool, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> String:
-	var old := scatter.layers
-	var new: Array[ScatterLayer] = old.duplicate()
+	var old_layers := scatter.layers
+	var new_layers: Array[ScatterLayer] = old_layers.duplicate()
 	var copies: Dictionary[Resource, Resource] = {}
 	var masks: Dictionary[Resource, Resource] = {}
-	for layer in old: # Copies these layers first. Otherwise references from other layers would copy them.
+	for layer in old_layers: # Copies these layers first. Otherwise references from other layers would copy them.
 		if layer != null and Copies.is_file(layer) and not with_files:
 			copies[layer] = layer
-	for index in old.size():
-		if old[index] == null:
+	for index in old_layers.size():
+		if old_layers[index] == null:
 			continue
-		new[index] = Copies.of(old[index], copies, false)
-		if new[index] != old[index] and not files.copy_mask(new[index], scene_path, masks):
+		new_layers[index] = Copies.of(old_layers[index], copies, false)
+		if new_layers[index] != old_layers[index] and not files.copy_mask(new_layers[index], scene_path, masks):
 			return files.problem
 	var states: Array[ScatterState] = []
 	if not _copy_state(scatter, new_seed, files, scene_path, states):
@@ -119,8 +119,8 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 	if states[0] != scatter.state: # A state is valid for one seed only, so the scatter has no state while the seed changes.
 		undo_redo.add_do_property(scatter, &"state", null)
 		undo_redo.add_undo_property(scatter, &"state", null)
-	undo_redo.add_do_property(scatter, &"layers", new)
-	undo_redo.add_undo_property(scatter, &"layers", old)
+	undo_redo.add_do_property(scatter, &"layers", new_layers)
+	undo_redo.add_undo_property(scatter, &"layers", old_layers)
 	if new_seed:
 		undo_redo.add_do_property(scatter, &"seed", free_seed(scatter))
 		undo_redo.add_undo_property(scatter, &"seed", scatter.seed)
@@ -130,11 +130,11 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 	undo_redo.add_do_property(scatter, &"state", states[0])
 	undo_redo.add_undo_property(scatter, &"state", scatter.state)
 	for region: ScatterRegion3D in scatter.find_children("*", "ScatterRegion3D", true, false):
-		var mentioned := region.layers
-		var followed := mentioned.map(func(layer: Variant) -> Variant: return copies.get(layer, layer) if layer is Resource else layer)
-		if followed != mentioned:
-			undo_redo.add_do_property(region, &"layers", followed)
-			undo_redo.add_undo_property(region, &"layers", mentioned)
+		var references := region.layers
+		var new_references := references.map(func(layer: Variant) -> Variant: return copies.get(layer, layer) if layer is Resource else layer)
+		if new_references != references:
+			undo_redo.add_do_property(region, &"layers", new_references)
+			undo_redo.add_undo_property(region, &"layers", references)
 	var new_resources := masks.values()
 	if states[0] != scatter.state and states[0] != null and Copies.is_file(states[0]):
 		new_resources.append(states[0])
@@ -145,11 +145,11 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 
 ## Returns the smallest seed, from 0 on, that no scatter of the open scenes has.
 static func free_seed(scatter: TerrainScatter3D) -> int:
-	var taken := open_scatters().map(func(other: TerrainScatter3D) -> int: return other.seed)
+	var used_seeds := open_scatters().map(func(other: TerrainScatter3D) -> int: return other.seed)
 	if scatter != null:
-		taken.append(scatter.seed)
+		used_seeds.append(scatter.seed)
 	var result := 0
-	while result in taken:
+	while result in used_seeds:
 		result += 1
 	return result
 
@@ -172,9 +172,9 @@ static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneF
 
 
 ## Finds masks and states whose files belong to another scene.
-static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[ScatterLayer], scenes: PackedStringArray,
+static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own_layers: Array[ScatterLayer], scenes: PackedStringArray,
 		r_shared: Shared) -> void:
-	for layer in own:
+	for layer in own_layers:
 		var mask := layer.mask
 		if mask == null or Copies.is_file(layer) or r_shared.masks.has(mask.resource_path):
 			continue
@@ -186,7 +186,7 @@ static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[Sc
 	var other_scene := _other_scene_of(state, scatter) if state != null and state.copy_at_runtime else ""
 	if not other_scene.is_empty():
 		r_shared.state = true
-		r_shared.by_hand = true
+		r_shared.has_hand_edits = true
 		_add_scene(other_scene, scenes, r_shared)
 
 
@@ -197,9 +197,9 @@ static func _other_scene_of(resource: Resource, scatter: TerrainScatter3D) -> St
 	var stem := resource.resource_path.get_basename()
 	if not Copies.is_file(resource):
 		return ""
-	var made_for := SceneFiles.scene_of(resource)
-	if not made_for.is_empty():
-		return "" if made_for == _scene_of(scatter) else made_for.get_basename()
+	var known_scene := SceneFiles.scene_of(resource)
+	if not known_scene.is_empty():
+		return "" if known_scene == _scene_of(scatter) else known_scene.get_basename()
 	if stem.begins_with(_scene_of(scatter).get_basename() + "_"):
 		return ""
 	while "_" in stem.get_file():

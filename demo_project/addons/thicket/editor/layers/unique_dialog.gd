@@ -30,8 +30,8 @@ func _init() -> void:
 
 
 ## Opens the dialog with a message about the shared resources. [param has_files] is true if any layer has its own file.
-func ask(sentence: String, has_files: bool) -> void:
-	_text.text = TEXT % sentence
+func ask(message: String, has_files: bool) -> void:
+	_text.text = TEXT % message
 	_files.visible = has_files
 	_files.button_pressed = false
 	reset_size()

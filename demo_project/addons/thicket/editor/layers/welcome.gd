@@ -1,6 +1,6 @@
 @tool
 extends VBoxContainer
-## What the Scatter panel shows while no scatter is selected: what to do next, and buttons for newcomers.
+## The content of the Scatter panel while no scatter is selected: a hint about the next step, and buttons for newcomers.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 
@@ -26,7 +26,7 @@ func _init() -> void:
 	_button(row, "Documentation", &"ExternalLink", "Open the documentation in the web browser.", documentation_wanted)
 
 
-func _button(row: HBoxContainer, text: String, icon: StringName, tip: String, wanted: Signal) -> void:
+func _button(row: HBoxContainer, text: String, icon: StringName, tip: String, request: Signal) -> void:
 	var button := Controls.button(text, icon, tip)
-	button.pressed.connect(wanted.emit)
+	button.pressed.connect(request.emit)
 	row.add_child(button)

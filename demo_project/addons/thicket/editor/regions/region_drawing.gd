@@ -7,15 +7,15 @@ const PlanetOutline := preload("res://addons/thicket/editor/regions/planet_outli
 const RegionGizmos := preload("res://addons/thicket/editor/regions/region_gizmos.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
-## Emitted when the shape is finished. [param region] is not in the scene yet, and [param place] is its world position.
-signal drawn(region: ScatterRegion3D, place: Vector3)
+## Emitted when the shape is finished. [param region] is not in the scene yet, and [param point] is its world position.
+signal drawn(region: ScatterRegion3D, point: Vector3)
 
 const HINT_FIRST := "Click along the %s   Enter or double click ends it   Backspace removes the last one   Esc cancels"
 const HINT_NEXT := "%d points   Enter or double click ends it   Backspace removes the last one   Esc cancels"
 ## The distance in pixels from the first corner within which a click closes the polygon.
 const GRAB := 10.0
 ## The minimum area of a polygon in square meters.
-const LEAST_AREA := 1e-4
+const MIN_AREA := 1e-4
 
 ## The width of a new path in meters.
 const WIDTH := 3.0
@@ -41,8 +41,8 @@ func _on_button(click: InputEventMouseButton) -> void:
 	if not click.pressed:
 		return
 	problem = ""
-	var on_first := shape == ScatterRegion3D.SHAPE_POLYGON and corners.size() >= 3 and _cursor.to_overlay(corners[0]).distance_to(_cursor.mouse()) <= GRAB
-	if click.double_click or on_first:
+	var closes_polygon := shape == ScatterRegion3D.SHAPE_POLYGON and corners.size() >= 3 and _cursor.to_overlay(corners[0]).distance_to(_cursor.mouse()) <= GRAB
+	if click.double_click or closes_polygon:
 		close()
 	else:
 		_add_corner()
@@ -60,7 +60,7 @@ func _draw_view(overlay: Control) -> void:
 	for corner in corners:
 		_cursor.draw_knob(overlay, corner, color)
 	var outline := "path" if shape == ScatterRegion3D.SHAPE_PATH else "outline"
-	_cursor.hint(overlay, HINT_FIRST % outline if corners.is_empty() else HINT_NEXT % corners.size())
+	_cursor.draw_hint(overlay, HINT_FIRST % outline if corners.is_empty() else HINT_NEXT % corners.size())
 
 
 func finish() -> void:
@@ -80,8 +80,8 @@ func close() -> void:
 	for corner in corners:
 		middle += corner / corners.size()
 	if SurfacePlace.is_planet(scatter):
-		var found := SurfacePlace.level(scatter, middle, SurfacePlace.up_at(scatter, middle))
-		middle = found[0] if not found.is_empty() else middle
+		var level := SurfacePlace.level(scatter, middle, SurfacePlace.up_at(scatter, middle))
+		middle = level[0] if not level.is_empty() else middle
 	var frame := RegionMenu.frame_at(scatter, middle)
 	var region := _polygon(frame) if shape == ScatterRegion3D.SHAPE_POLYGON else _path(frame)
 	if region == null:
@@ -97,11 +97,11 @@ func _polygon(frame: Transform3D) -> ScatterRegion3D:
 	for corner in corners:
 		polygon.append(_in_frame(corner, frame))
 		if not polygon[-1].is_finite():
-			problem = "A corner is more than %d° around the planet from the middle of the outline. Draw several smaller regions." % PlanetOutline.FARTHEST
+			problem = "A corner is more than %d° around the planet from the middle of the outline. Draw several smaller regions." % PlanetOutline.MAX_DEGREES
 			return null
 	for index in polygon.size():
 		area += 0.5 * polygon[index].cross(polygon[index - 1])
-	if polygon.size() < 3 or absf(area) < LEAST_AREA:
+	if polygon.size() < 3 or absf(area) < MIN_AREA:
 		problem = "A region needs at least three corners that are not in a line, got %d. Click more corners." % corners.size()
 		return null
 	var region := RegionMenu.make(shape, exclude)
@@ -126,8 +126,8 @@ func _path(frame: Transform3D) -> ScatterRegion3D:
 	path.name = "Path3D"
 	path.curve = Curve3D.new()
 	for index in corners.size():
-		var along := frame.basis.inverse() * (corners[mini(index + 1, corners.size() - 1)] - corners[maxi(index - 1, 0)]) * BEND
-		path.curve.add_point(frame.affine_inverse() * corners[index], -along, along)
+		var tangent := frame.basis.inverse() * (corners[mini(index + 1, corners.size() - 1)] - corners[maxi(index - 1, 0)]) * BEND
+		path.curve.add_point(frame.affine_inverse() * corners[index], -tangent, tangent)
 	region.add_child(path)
 	region.path = NodePath("Path3D")
 	region.width = WIDTH
@@ -164,10 +164,10 @@ func _add_corner() -> void:
 
 ## Returns the position of the next corner, snapped like the editor's gizmos, except on a planet.
 func _corner() -> Vector3:
-	var at := _cursor.on_ground
+	var point := _cursor.on_ground
 	if EditorSnap.is_on() and not SurfacePlace.is_planet(scatter):
 		var step := maxf(0.01, EditorSnap.meters())
-		at = Vector3(snappedf(at.x, step), at.y, snappedf(at.z, step))
-		var found := SurfacePlace.level(scatter, at, Vector3.UP)
-		at = found[0] if not found.is_empty() else at
-	return at
+		point = Vector3(snappedf(point.x, step), point.y, snappedf(point.z, step))
+		var level := SurfacePlace.level(scatter, point, Vector3.UP)
+		point = level[0] if not level.is_empty() else point
+	return point

@@ -49,17 +49,17 @@ func _has_gizmo(node: Node3D) -> bool:
 func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	gizmo.clear()
 	var region := gizmo.get_node_3d() as ScatterRegion3D
-	var rule := int(region.exclude)
+	var material_index := int(region.exclude)
 	var body := Outline.body(region)
 	if not body.is_empty():
-		gizmo.add_lines(body, _bodies[rule])
+		gizmo.add_lines(body, _bodies[material_index])
 	var border := _on_ground(region, 0.0)
 	if not border.is_empty():
-		gizmo.add_lines(border, _borders[rule])
+		gizmo.add_lines(border, _borders[material_index])
 	if region.falloff > 0.0:
-		var full := _on_ground(region, region.falloff)
-		if not full.is_empty():
-			gizmo.add_lines(full, _falloffs[rule])
+		var falloff_border := _on_ground(region, region.falloff)
+		if not falloff_border.is_empty():
+			gizmo.add_lines(falloff_border, _falloffs[material_index])
 	gizmo.add_collision_segments(border + body)
 	var handles := _handles(region)
 	if not handles.is_empty():
@@ -133,12 +133,12 @@ func _commit_handle(gizmo: EditorNode3DGizmo, id: int, secondary: bool, restore:
 ## Drags the face of a box or a cylinder on one side of an axis. The opposite face stays in place or, with Alt, moves symmetrically. Returns
 ## the new length along the axis.
 func _drag_face(region: ScatterRegion3D, axis: int, side: float, from: Vector3, to: Vector3) -> float:
-	var outwards := AXES[axis] * side
-	var both := Input.is_key_pressed(KEY_ALT)
-	var face := _along(outwards, from, to)
-	var length := _length(2.0 * face if both else face + 0.5 * _start_size[axis])
-	var shift := 0.0 if both else 0.5 * (length - _start_size[axis])
-	region.transform = _start_transform.translated_local(outwards * shift) if shift != 0.0 else _start_transform
+	var outward := AXES[axis] * side
+	var is_symmetric := Input.is_key_pressed(KEY_ALT)
+	var face := _along(outward, from, to)
+	var length := _length(2.0 * face if is_symmetric else face + 0.5 * _start_size[axis])
+	var shift := 0.0 if is_symmetric else 0.5 * (length - _start_size[axis])
+	region.transform = _start_transform.translated_local(outward * shift) if shift != 0.0 else _start_transform
 	return length
 
 
@@ -147,13 +147,13 @@ func _drag_face(region: ScatterRegion3D, axis: int, side: float, from: Vector3, 
 static func _dragged_corner(region: ScatterRegion3D, from: Vector3, to: Vector3) -> Vector2:
 	var scatter := _scatter_on_planet(region)
 	if scatter == null:
-		var met: Variant = Plane(Vector3.UP, 0.0).intersects_segment(from, to)
-		return Vector2((met as Vector3).x, (met as Vector3).z) if met is Vector3 else Vector2.INF
+		var hit: Variant = Plane(Vector3.UP, 0.0).intersects_segment(from, to)
+		return Vector2((hit as Vector3).x, (hit as Vector3).z) if hit is Vector3 else Vector2.INF
 	var start := region.global_transform * from
-	var found := SurfacePlace.on_ray(scatter, start, start.direction_to(region.global_transform * to))
-	if found.is_empty():
+	var hit_on_ground := SurfacePlace.on_ray(scatter, start, start.direction_to(region.global_transform * to))
+	if hit_on_ground.is_empty():
 		return Vector2.INF
-	return PlanetOutline.corner_toward(found[0], SurfacePlace.planet_center(scatter), region.global_transform)
+	return PlanetOutline.corner_toward(hit_on_ground[0], SurfacePlace.planet_center(scatter), region.global_transform)
 
 
 ## Returns the scatter above a region if its ground forms a planet, otherwise null.
@@ -166,13 +166,13 @@ static func _property(region: ScatterRegion3D, id: int) -> StringName:
 	return [&"size", &"radius", [&"radius", &"height"][mini(id, 1)], &"polygon", &"width"][region.shape]
 
 
-static func _on_ground(region: ScatterRegion3D, inwards: float) -> PackedVector3Array:
+static func _on_ground(region: ScatterRegion3D, inset: float) -> PackedVector3Array:
 	var lines := GroundLines.new(region)
 	var scatter := _scatter_on_planet(region)
-	var on_planet := PlanetOutline.new(region, scatter) if scatter != null else null
-	if on_planet != null:
-		lines.to_ground = on_planet.to_ground.bind(GroundLines.LIFT)
-	for border in on_planet.borders(inwards) if on_planet != null else Outline.borders(region, inwards):
+	var planet_outline := PlanetOutline.new(region, scatter) if scatter != null else null
+	if planet_outline != null:
+		lines.to_ground = planet_outline.to_ground.bind(GroundLines.LIFT)
+	for border in planet_outline.borders(inset) if planet_outline != null else Outline.borders(region, inset):
 		var length := 0.0
 		for index in border.size():
 			length += border[index].distance_to(border[(index + 1) % border.size()])
@@ -196,9 +196,9 @@ func _handles(region: ScatterRegion3D) -> PackedVector3Array:
 				positions.append(Vector3.UP * side * region.height)
 		ScatterRegion3D.SHAPE_POLYGON:
 			var scatter := _scatter_on_planet(region)
-			var on_planet := PlanetOutline.new(region, scatter) if scatter != null else null
+			var planet_outline := PlanetOutline.new(region, scatter) if scatter != null else null
 			for corner in Outline.corners(region):
-				var position := on_planet.on_ground(corner, GroundLines.LIFT) if on_planet != null else corner
+				var position := planet_outline.on_ground(corner, GroundLines.LIFT) if planet_outline != null else corner
 				positions.append(region.global_transform.affine_inverse() * position)
 		ScatterRegion3D.SHAPE_PATH:
 			var start := _path_start(region)
@@ -223,8 +223,8 @@ static func _drag_width(region: ScatterRegion3D, from: Vector3, to: Vector3) -> 
 	var start := _path_start(region)
 	if start.is_empty():
 		return
-	var reach := start[1] * 1e5
-	var nearest := Geometry3D.get_closest_points_between_segments(start[0] - reach, start[0] + reach, from, to)
+	var half_line := start[1] * 1e5
+	var nearest := Geometry3D.get_closest_points_between_segments(start[0] - half_line, start[0] + half_line, from, to)
 	region.width = _length(2.0 * nearest[0].distance_to(start[0]))
 
 

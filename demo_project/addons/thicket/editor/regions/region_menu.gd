@@ -1,6 +1,6 @@
 @tool
 extends MenuButton
-## The menu that adds a region below the scatter. The region is placed on the ground at the center of the view. For a
+## The menu that adds a region as a child of the scatter. The region is placed on the ground at the center of the view. For a
 ## polygon or a path, the user clicks its points.
 
 const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
@@ -10,9 +10,9 @@ signal drawing_requested(shape: ScatterRegion3D.Shape, exclude: bool)
 
 const SHAPE_NAMES: PackedStringArray = ["Box", "Sphere", "Cylinder", "Polygon", "Path"]
 ## The smallest and the largest size of a new region in meters. Between these limits, the size is the fraction [constant
-## PART] of the distance from the camera.
+## SIZE_FACTOR] of the distance from the camera.
 const SIZES := Vector2(2.0, 200.0)
-const PART := 0.3
+const SIZE_FACTOR := 0.3
 
 var undo_redo: EditorUndoRedoManager
 var scatter: TerrainScatter3D
@@ -33,15 +33,15 @@ func _init() -> void:
 ## Adds a box, a sphere or a cylinder at the center of the view, as one undo step, and selects it. Without a ground, it is 20 meters from the camera.
 func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-	var away := 20.0
+	var distance := 20.0
 	if scatter.ground != null:
-		away = SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
-	var size := clampf(snappedf(away * PART, 1.0), SIZES.x, SIZES.y)
+		distance = SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
+	var size := clampf(snappedf(distance * SIZE_FACTOR, 1.0), SIZES.x, SIZES.y)
 	var region := make(shape, exclude)
 	region.size = Vector3(size, maxf(size, 10.0), size)
 	region.radius = 0.5 * size
 	region.height = maxf(size, 10.0)
-	insert(region, camera.global_position - camera.global_basis.z * away)
+	insert(region, camera.global_position - camera.global_basis.z * distance)
 
 
 ## Creates a region without adding it to the scene.
@@ -57,7 +57,7 @@ static func make(shape: ScatterRegion3D.Shape, exclude: bool) -> ScatterRegion3D
 func insert(region: ScatterRegion3D, point: Vector3) -> void:
 	region.transform = scatter.global_transform.affine_inverse() * frame_at(scatter, point)
 	undo_redo.create_action("Add %s" % region.name, UndoRedo.MERGE_DISABLE, scatter)
-	put_below(undo_redo, scatter, region)
+	add_as_child(undo_redo, scatter, region)
 	undo_redo.commit_action()
 	EditorInterface.get_selection().clear()
 	EditorInterface.get_selection().add_node(region)
@@ -68,8 +68,8 @@ static func frame_at(scatter: TerrainScatter3D, point: Vector3) -> Transform3D:
 	return Transform3D(SurfacePlace.upright(SurfacePlace.up_at(scatter, point)), point)
 
 
-## Adds to the open undo step that a node and its children are added below a parent.
-static func put_below(undo: EditorUndoRedoManager, parent: Node, node: Node) -> void:
+## Adds to the open undo step: adding a node, with its children, to a parent.
+static func add_as_child(undo: EditorUndoRedoManager, parent: Node, node: Node) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	undo.add_do_method(parent, &"add_child", node, true)
 	undo.add_do_property(node, &"owner", root)

@@ -12,10 +12,10 @@ static func body(region: ScatterRegion3D) -> PackedVector3Array:
 	var radius := region.radius
 	match region.shape:
 		ScatterRegion3D.SHAPE_BOX:
-			var half := 0.5 * region.size
+			var half_size := 0.5 * region.size
 			for axis in 3:
 				for corner in 4:
-					var from := half
+					var from := half_size
 					from[(axis + 1) % 3] *= 1.0 if corner & 1 else -1.0
 					from[(axis + 2) % 3] *= 1.0 if corner & 2 else -1.0
 					var to := from
@@ -34,15 +34,15 @@ static func body(region: ScatterRegion3D) -> PackedVector3Array:
 	return lines
 
 
-## Returns the region's borders as seen from above, moved inward by [param inwards] meters, as closed lines of world x and z.
-static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVector2Array]:
+## Returns the region's borders as seen from above, moved inward by [param distance] meters, as closed lines of world x and z.
+static func borders(region: ScatterRegion3D, distance: float) -> Array[PackedVector2Array]:
 	match region.shape:
 		ScatterRegion3D.SHAPE_PATH:
-			return strip(_flat(path_positions(region)), 0.5 * region.width - inwards)
+			return strip(_flat(path_positions(region)), 0.5 * region.width - distance)
 		ScatterRegion3D.SHAPE_POLYGON:
-			return inset(_flat(corners(region)), inwards)
+			return inset(_flat(corners(region)), distance)
 		_:
-			return inset(hull(_flat(region.global_transform * body(region))), inwards)
+			return inset(hull(_flat(region.global_transform * body(region))), distance)
 
 
 ## Returns the outlines of a strip along a line, or an empty array if there is no line or no width.
@@ -53,14 +53,14 @@ static func strip(points: PackedVector2Array, half_width: float) -> Array[Packed
 
 
 ## Returns an outline, moved inward, or an empty array if nothing of it is left.
-static func inset(outline: PackedVector2Array, inwards: float) -> Array[PackedVector2Array]:
+static func inset(outline: PackedVector2Array, distance: float) -> Array[PackedVector2Array]:
 	if outline.size() < 3:
 		return []
-	if inwards <= 0.0:
+	if distance <= 0.0:
 		return [outline]
 	if Geometry2D.is_polygon_clockwise(outline):
 		outline.reverse()
-	return Geometry2D.offset_polygon(outline, -inwards, Geometry2D.JOIN_MITER)
+	return Geometry2D.offset_polygon(outline, -distance, Geometry2D.JOIN_MITER)
 
 
 ## Returns the corners of the convex hull of points.
