@@ -71,13 +71,13 @@ func _process(delta: float) -> void:
 	_new_multimeshes.clear()
 	var parameters := {&"wind_strength": wind_strength, &"wind_direction": wind_direction}
 	if Engine.is_editor_hint():
-		_show(parameters, delta)
+		_set_on_renderer(parameters, delta)
 		return
 	var bodies := _bodies()
 	parameters[&"bend_count"] = bodies[0]
 	parameters[&"bend_bodies"] = bodies[1]
 	_time = fmod(_time + delta, 3600.0)
-	for material in _all():
+	for material in _all_materials():
 		for parameter: StringName in parameters:
 			material.set_shader_parameter(parameter, parameters[parameter])
 		if material not in _scatter_materials: # The materials in _scatter_materials get the time from their scatter.
@@ -86,28 +86,28 @@ func _process(delta: float) -> void:
 
 ## Sets the parameters on the renderer only. In the editor, a parameter that is set on a material would be saved with it. Has no effect if nothing has
 ## changed, because the editor would redraw otherwise.
-func _show(parameters: Dictionary, delta: float) -> void:
+func _set_on_renderer(parameters: Dictionary, delta: float) -> void:
 	if animate_in_editor:
 		_time = fmod(_time + delta, 3600.0)
 		parameters[&"wind_time"] = _time
-	var all := _all()
-	if parameters == _last_parameters and all == _last_materials:
+	var all_materials := _all_materials()
+	if parameters == _last_parameters and all_materials == _last_materials:
 		return
 	_last_parameters = parameters
-	_last_materials = all
-	for material in all:
+	_last_materials = all_materials
+	for material in all_materials:
 		for parameter: StringName in parameters:
 			RenderingServer.material_set_param(material.get_rid(), parameter, parameters[parameter])
 		_editor_parameters[material] = PackedStringArray(parameters.keys())
 
 
-func _all() -> Array[ShaderMaterial]:
-	var all: Array[ShaderMaterial] = []
+func _all_materials() -> Array[ShaderMaterial]:
+	var result: Array[ShaderMaterial] = []
 	for list: Array[ShaderMaterial] in [materials, _scatter_materials, _multimesh_materials]:
 		for material in list:
-			if material and material not in all:
-				all.append(material)
-	return all
+			if material and material not in result:
+				result.append(material)
+	return result
 
 
 ## Starts or stops watching for added and removed scatters, including those that are already in the tree.
@@ -118,11 +118,11 @@ func _watch_tree(watch: bool) -> void:
 	if watch:
 		tree.node_added.connect(_on_node_added)
 		tree.node_removed.connect(_on_node_removed)
-		for scatter in _top().find_children("*", LibraryGate.SCATTER, true, false):
+		for scatter in _root().find_children("*", LibraryGate.SCATTER, true, false):
 			_on_node_added(scatter)
-		for multimesh in _top().find_children("*", "MultiMeshInstance3D", true, false):
+		for multimesh in _root().find_children("*", "MultiMeshInstance3D", true, false):
 			_on_node_added(multimesh)
-		_on_node_added(_top())
+		_on_node_added(_root())
 	else:
 		tree.node_added.disconnect(_on_node_added)
 		tree.node_removed.disconnect(_on_node_removed)
@@ -133,11 +133,11 @@ func _watch_tree(watch: bool) -> void:
 
 
 ## Returns the topmost node or, in the editor, the topmost node of the edited scene.
-func _top() -> Node:
-	var top: Node = self
-	while top.get_parent() and not (Engine.is_editor_hint() and top.get_parent() is Viewport):
-		top = top.get_parent()
-	return top
+func _root() -> Node:
+	var node: Node = self
+	while node.get_parent() and not (Engine.is_editor_hint() and node.get_parent() is Viewport):
+		node = node.get_parent()
+	return node
 
 
 func _on_node_added(node: Node) -> void:
@@ -166,9 +166,9 @@ func _find_materials() -> void:
 	_layers.clear()
 	_scatter_materials.clear()
 	for scatter in _scatters:
-		var of_scatter := LibraryGate.layers_of(scatter)
-		_scatters[scatter] = of_scatter
-		for layer in of_scatter:
+		var layers := LibraryGate.layers_of(scatter)
+		_scatters[scatter] = layers
+		for layer in layers:
 			if layer and layer not in _layers:
 				_layers.append(layer)
 				layer.changed.connect(_on_layer_changed)
@@ -183,9 +183,9 @@ func _add_multimesh(node: MultiMeshInstance3D) -> void:
 
 
 func _add_material(material: Material, list: Array[ShaderMaterial]) -> void:
-	var with_shader := material as ShaderMaterial
-	if with_shader and with_shader not in list and _is_foliage(with_shader.shader):
-		list.append(with_shader)
+	var shader_material := material as ShaderMaterial
+	if shader_material and shader_material not in list and _is_foliage(shader_material.shader):
+		list.append(shader_material)
 
 
 func _is_foliage(shader: Shader) -> bool:
@@ -203,9 +203,9 @@ func _bodies() -> Array:
 			positions.append((node as Node3D).global_position)
 	var camera := get_viewport().get_camera_3d()
 	if positions.size() > MOST_BODIES and camera:
-		var eye := camera.global_position
+		var camera_position := camera.global_position
 		positions.sort_custom(func(a: Vector3, b: Vector3) -> bool:
-			return a.distance_squared_to(eye) < b.distance_squared_to(eye))
+			return a.distance_squared_to(camera_position) < b.distance_squared_to(camera_position))
 	var packed: Array[Vector4] = []
 	packed.resize(MOST_BODIES)
 	var count := mini(positions.size(), MOST_BODIES)
