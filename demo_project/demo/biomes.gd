@@ -25,10 +25,10 @@ func stops() -> Array[Dictionary]:
 
 
 func layers() -> Array:
-	var found: Array = super().duplicate()
+	var result: Array = super().duplicate()
 	for biome: Resource in scatter.get(&"biomes").biomes:
-		found.append_array(biome.layers)
-	return found
+		result.append_array(biome.layers)
+	return result
 
 
 func own_key(keycode: Key) -> void:
@@ -53,12 +53,12 @@ func raise_water(level: float) -> void:
 func _soil(valley: Image) -> Image:
 	var map: Resource = $Scatter.biomes
 	var rect: Rect2 = $Ground.rect
-	var drawn: Image = valley.duplicate()
-	for y in drawn.get_height():
-		for x in drawn.get_width():
-			var at := rect.position + rect.size * Vector2(x, y) / Vector2(drawn.get_size() - Vector2i.ONE)
-			var weights := drawn.get_pixel(x, y)
-			var plants := weights.r + weights.g
-			var wood: float = map.get_weights_at(at)[1]
-			drawn.set_pixel(x, y, Color(plants * (1.0 - wood), plants * wood, weights.b, weights.a))
-	return drawn
+	var soil: Image = valley.duplicate()
+	for y in soil.get_height():
+		for x in soil.get_width():
+			var world_xz := rect.position + rect.size * Vector2(x, y) / Vector2(soil.get_size() - Vector2i.ONE)
+			var weights := soil.get_pixel(x, y)
+			var plant_weight := weights.r + weights.g
+			var forest_weight: float = map.get_weights_at(world_xz)[1]
+			soil.set_pixel(x, y, Color(plant_weight * (1.0 - forest_weight), plant_weight * forest_weight, weights.b, weights.a))
+	return soil

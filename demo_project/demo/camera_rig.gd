@@ -3,7 +3,7 @@ extends Camera3D
 
 ## The walking speed in meters per second, and the factor by which Shift makes walking and flying faster.
 const WALK_SPEED := 2.5
-const FAST := 4.0
+const FAST_FACTOR := 4.0
 ## The height of the camera above the ground while walking, in meters.
 const EYE_HEIGHT := 1.75
 const RADIANS_PER_PIXEL := 0.0025
@@ -36,13 +36,13 @@ func _process(delta: float) -> void:
 				KEY_DOWN))
 	if direction == Vector3.ZERO:
 		return
-	var fast := FAST if Input.is_physical_key_pressed(KEY_SHIFT) else 1.0
+	var speed_factor := FAST_FACTOR if Input.is_physical_key_pressed(KEY_SHIFT) else 1.0
 	if walking:
 		var step := Basis(Vector3.UP, rotation.y) * Vector3(direction.x, 0.0, direction.z).limit_length(1.0)
-		position += step * WALK_SPEED * fast * delta
+		position += step * WALK_SPEED * speed_factor * delta
 	else:
 		position += (basis * Vector3(direction.x, 0.0,
-				direction.z).limit_length(1.0) + Vector3.UP * direction.y) * fly_speed * fast * delta
+				direction.z).limit_length(1.0) + Vector3.UP * direction.y) * fly_speed * speed_factor * delta
 	_follow_ground()
 
 
@@ -50,10 +50,10 @@ func _process(delta: float) -> void:
 func _follow_ground() -> void:
 	if elevation == null:
 		return
-	var ground: float = elevation.height(position.x, position.z)
-	if is_nan(ground):
+	var ground_height: float = elevation.height(position.x, position.z)
+	if is_nan(ground_height):
 		return
-	position.y = ground + EYE_HEIGHT if walking else maxf(position.y, ground + 0.5)
+	position.y = ground_height + EYE_HEIGHT if walking else maxf(position.y, ground_height + 0.5)
 
 
 static func _axis(negative: Key, positive: Key) -> float:

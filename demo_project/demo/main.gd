@@ -30,9 +30,9 @@ func flight_seconds() -> float:
 
 ## Moves the camera to its position in the flight after [param seconds], without rotating it.
 func fly(seconds: float) -> void:
-	var there := Flight.on_the_way(seconds)
-	var height: float = ground.height(there.x, there.y)
-	camera.position = Vector3(there.x, height + Flight.HEIGHT, there.y)
+	var point_xz := Flight.on_the_way(seconds)
+	var height: float = ground.height(point_xz.x, point_xz.y)
+	camera.position = Vector3(point_xz.x, height + Flight.HEIGHT, point_xz.y)
 
 
 func own_key(keycode: Key) -> void:

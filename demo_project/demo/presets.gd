@@ -28,7 +28,7 @@ const STOPS: Array[Dictionary] = [
 	{"name": "one_rock", "model": "rock_1", "colors": LAWN},
 ]
 
-var _shown := 0
+var _stop_index := 0
 
 @onready var _near: Node3D = $Scatter/Near
 @onready var _glade: Node3D = $Scatter/Glade
@@ -40,18 +40,18 @@ func stops() -> Array[Dictionary]:
 
 func own_key(keycode: Key) -> void:
 	if keycode == KEY_M:
-		_show(STOPS[(_shown + 1) % STOPS.size()])
+		_show(STOPS[(_stop_index + 1) % STOPS.size()])
 
 
 func place(stop: Dictionary) -> void:
 	_show(stop)
-	var there := ON_THE_HILL.merged(stop, true)
-	super(there)
+	var preset_stop := ON_THE_HILL.merged(stop, true)
+	super(preset_stop)
 	# Keeps tall plants away from the camera, and trees away from its surroundings.
-	_glade.set(&"radius", there.get("glade", 6.5))
-	_near.set(&"radius", there.get("near", 6.5))
-	_clear(_near, 150.0, there.eye)
-	_clear(_glade, 400.0, there.eye + SUNWARD * 0.8 * _glade.get(&"radius"))
+	_glade.set(&"radius", preset_stop.get("glade", 6.5))
+	_near.set(&"radius", preset_stop.get("near", 6.5))
+	_clear(_near, 150.0, preset_stop.eye)
+	_clear(_glade, 400.0, preset_stop.eye + SUNWARD * 0.8 * _glade.get(&"radius"))
 
 
 ## Moves a region, which keeps layers out that are visible beyond [param distance] meters.
@@ -61,8 +61,8 @@ func _clear(region: Node3D, distance: float, center: Vector3) -> void:
 
 
 func _show(stop: Dictionary) -> void:
-	_shown = STOPS.find(stop)
-	scatter.set(&"layers", _preset(stop.name) if not stop.has("model") else [_dropped(stop.model)])
+	_stop_index = STOPS.find(stop)
+	scatter.set(&"layers", _preset(stop.name) if not stop.has("model") else [_layer_of_model(stop.model)])
 	_densities.clear()
 	for layer: Resource in layers():
 		_densities.append(layer.get(&"density"))
@@ -74,13 +74,13 @@ func _show(stop: Dictionary) -> void:
 
 func _preset(name: String) -> Array:
 	var preset := (load(FOLDER + name + ".tscn") as PackedScene).instantiate()
-	var found: Array = preset.get(&"layers")
+	var preset_layers: Array = preset.get(&"layers")
 	preset.free()
-	return found
+	return preset_layers
 
 
 ## Returns a layer with the values that the panel sets for a model that is dropped on it.
-func _dropped(model: String) -> Resource:
+func _layer_of_model(model: String) -> Resource:
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = model
 	layer.set(&"meshes", [load(FOLDER + "plants/%s.res" % model)])

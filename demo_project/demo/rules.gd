@@ -13,21 +13,21 @@ const STOPS: Array[Dictionary] = [
 	{"name": "clearing_moved", "eye": Vector3(-50.0, 82.0, -20.0), "heading": 0.0, "pitch": -18.0, "clearing": 1.0},
 ]
 ## The world x and z of the clearing at the start and at the end of its path.
-const WAY: Array[Vector2] = [Vector2(-105.0, -160.0), Vector2(5.0, -170.0)]
+const PATH: Array[Vector2] = [Vector2(-105.0, -160.0), Vector2(5.0, -170.0)]
 ## The time in seconds that the clearing takes to move along its path and back.
 const PERIOD := 40.0
 
-var _walked := 0.0
-var _walking := false
+var _moving_seconds := 0.0
+var _is_moving := false
 
 @onready var _clearing: Node3D = $Scatter/Clearing
 
 
 func _process(delta: float) -> void:
 	super(delta)
-	if _walking:
-		_walked += delta
-		move_clearing(0.5 - 0.5 * cos(TAU * _walked / PERIOD))
+	if _is_moving:
+		_moving_seconds += delta
+		move_clearing(0.5 - 0.5 * cos(TAU * _moving_seconds / PERIOD))
 
 
 func stops() -> Array[Dictionary]:
@@ -36,7 +36,7 @@ func stops() -> Array[Dictionary]:
 
 func own_key(keycode: Key) -> void:
 	if keycode == KEY_M:
-		_walking = not _walking
+		_is_moving = not _is_moving
 
 
 func place(stop: Dictionary) -> void:
@@ -47,5 +47,5 @@ func place(stop: Dictionary) -> void:
 
 ## Moves the clearing on its path. [param progress] is 0 at the start of the path and 1 at its end, where the clearing turns back.
 func move_clearing(progress: float) -> void:
-	var there := WAY[0].lerp(WAY[1], progress)
-	_clearing.global_position = Vector3(there.x, _clearing.global_position.y, there.y)
+	var point_xz := PATH[0].lerp(PATH[1], progress)
+	_clearing.global_position = Vector3(point_xz.x, _clearing.global_position.y, point_xz.y)

@@ -63,7 +63,7 @@ func _visit(stop: Dictionary) -> void:
 	# Draws frames, but without the 3D world. If no frames were drawn, Forward+ and Mobile would wait for one at each upload.
 	get_viewport().disable_3d = true
 	RenderingServer.render_loop_enabled = true
-	var started := Time.get_ticks_msec()
+	var start_msec := Time.get_ticks_msec()
 	demo.place(stop)
 	demo.show_tiles(stop.get("tiles", false))
 	demo.show_overlay(stop.get("tiles", false))
@@ -72,14 +72,14 @@ func _visit(stop: Dictionary) -> void:
 		return
 	var stats: Dictionary = demo.scatter.get_stats()
 	print("demo: %s: %d tiles, %d instances, idle after %.1f s" % [
-		stop.name, stats.tiles, stats.instances, (Time.get_ticks_msec() - started) / 1000.0])
+		stop.name, stats.tiles, stats.instances, (Time.get_ticks_msec() - start_msec) / 1000.0])
 	if folder == "":
 		return
 	get_viewport().disable_3d = false
-	started = Time.get_ticks_msec()
+	start_msec = Time.get_ticks_msec()
 	for frame in SETTLING_FRAMES:
 		await RenderingServer.frame_post_draw
-	print("demo: %s: %.1f s per frame" % [stop.name, (Time.get_ticks_msec() - started) / 1000.0 / SETTLING_FRAMES])
+	print("demo: %s: %.1f s per frame" % [stop.name, (Time.get_ticks_msec() - start_msec) / 1000.0 / SETTLING_FRAMES])
 	var image := get_viewport().get_texture().get_image()
 	var path := folder.path_join("%s.png" % stop.name)
 	if image == null or image.is_empty() or image.save_png(path) != OK:
@@ -87,17 +87,17 @@ func _visit(stop: Dictionary) -> void:
 
 
 func _wait_until_idle() -> void:
-	var limit := Time.get_ticks_msec() + int(PATIENCE * 1000.0)
+	var deadline := Time.get_ticks_msec() + int(PATIENCE * 1000.0)
 	# The scatter detects the camera's jump in the next frame.
 	for frame in 3:
 		await get_tree().process_frame
 	while not demo.scatter.is_settled():
-		if Time.get_ticks_msec() > limit:
+		if Time.get_ticks_msec() > deadline:
 			_fail("not idle after %.0f s: %s" % [PATIENCE, demo.scatter.get_stats()])
 			return
 		await get_tree().process_frame
 
 
-func _fail(why: String) -> void:
+func _fail(message: String) -> void:
 	_failed = true
-	printerr("demo: %s" % why)
+	printerr("demo: %s" % message)

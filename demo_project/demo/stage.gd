@@ -128,9 +128,9 @@ func show_overlay(enabled: bool) -> void:
 
 func _set_density(density: float) -> void:
 	_density = clampf(density, 0.0, 1.0)
-	var changed := layers()
-	for i in changed.size():
-		changed[i].set(&"density", _densities[i] * _density)
+	var changed_layers := layers()
+	for i in changed_layers.size():
+		changed_layers[i].set(&"density", _densities[i] * _density)
 
 
 func _take_screenshots(folder: String, only: String) -> void:
@@ -148,8 +148,8 @@ func _take_screenshots(folder: String, only: String) -> void:
 
 ## Returns the command-line arguments. For an argument --name=value, the key is name. An argument --name has an empty value.
 static func _arguments() -> Dictionary:
-	var found := {}
+	var result := {}
 	for argument in OS.get_cmdline_user_args():
-		var parts := argument.trim_prefix("--").split("=", true, 1)
-		found[parts[0]] = parts[1] if parts.size() > 1 else ""
-	return found
+		var name_and_value := argument.trim_prefix("--").split("=", true, 1)
+		result[name_and_value[0]] = name_and_value[1] if name_and_value.size() > 1 else ""
+	return result

@@ -14,7 +14,7 @@ var scatter: Node3D
 ## The ground, an object with a method [code]height(x, z)[/code].
 var elevation: RefCounted
 
-var _stale := true
+var _is_stale := true
 
 
 func _ready() -> void:
@@ -29,20 +29,20 @@ func _ready() -> void:
 
 
 ## Sets the scatter and the ground. The borders are redrawn whenever the scatter's tiles change.
-func follow(followed: Node3D, ground: RefCounted) -> void:
-	scatter = followed
+func follow(new_scatter: Node3D, ground: RefCounted) -> void:
+	scatter = new_scatter
 	elevation = ground
 	scatter.connect(&"tile_shown", _on_tiles_changed)
 	scatter.connect(&"tile_hidden", _on_tiles_changed)
 
 
 func _on_tiles_changed(_layer: Resource, _tile: Vector2i) -> void:
-	_stale = true
+	_is_stale = true
 
 
 func _process(_delta: float) -> void:
-	if visible and _stale and scatter != null:
-		_stale = false
+	if visible and _is_stale and scatter != null:
+		_is_stale = false
 		_draw_all()
 
 
@@ -50,7 +50,7 @@ func _draw_all() -> void:
 	var bands := mesh as ImmediateMesh
 	bands.clear_surfaces()
 	var layers: Array = scatter.get(&"layers")
-	var begun := false
+	var has_begun := false
 	var sizes: Array[float] = []
 	for index in layers.size():
 		if layers[index] == null or sizes.has(layers[index].get(&"tile_size")):
@@ -58,14 +58,14 @@ func _draw_all() -> void:
 		var size: float = layers[index].get(&"tile_size")
 		sizes.append(size)
 		for tile: Vector2i in scatter.call(&"get_shown_tiles", layers[index]):
-			if not begun:
+			if not has_begun:
 				bands.surface_begin(Mesh.PRIMITIVE_TRIANGLES)
-				begun = true
+				has_begun = true
 			bands.surface_set_color(COLORS[(sizes.size() - 1) % COLORS.size()])
 			var from := Vector2(tile) * size
 			_band(from, from + Vector2(size, 0.0), size)
 			_band(from, from + Vector2(0.0, size), size)
-	if begun:
+	if has_begun:
 		bands.surface_end()
 
 

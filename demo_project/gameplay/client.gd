@@ -8,9 +8,9 @@ extends Node
 
 const DEFAULT_PORT := 4433
 ## The radius in meters within which the client queries trees.
-const REACH := 60.0
+const RADIUS := 60.0
 ## The maximum duration of the run in seconds.
-const PATIENCE := 30.0
+const TIMEOUT := 30.0
 
 @onready var world: TerrainScatter3D = $World
 @onready var session: Node = $Session
@@ -19,25 +19,25 @@ const PATIENCE := 30.0
 func _ready() -> void:
 	var arguments := {"port": str(DEFAULT_PORT), "address": "127.0.0.1", "at": "-20,150", "fell": "3"}
 	for argument in OS.get_cmdline_user_args():
-		var parts := argument.trim_prefix("--").split("=", true, 1)
-		arguments[parts[0]] = parts[-1]
-	get_tree().create_timer(PATIENCE).timeout.connect(_end.bind("no answer within %.0f s" % PATIENCE))
+		var name_and_value := argument.trim_prefix("--").split("=", true, 1)
+		arguments[name_and_value[0]] = name_and_value[-1]
+	get_tree().create_timer(TIMEOUT).timeout.connect(_end.bind("no answer within %.0f s" % TIMEOUT))
 	multiplayer.server_disconnected.connect(_end.bind("the server has disconnected"))
 	var error: Error = session.call(&"join", arguments.address, int(arguments.port))
 	if error != OK:
 		return _end("cannot join: " + error_string(error))
 	await session.synced
-	var at: PackedStringArray = arguments.at.split(",")
-	await _fell_around(Vector3(at[0].to_float(), 0.0, at[-1].to_float()), int(arguments.fell))
+	var coordinates: PackedStringArray = arguments.at.split(",")
+	await _fell_around(Vector3(coordinates[0].to_float(), 0.0, coordinates[-1].to_float()), int(arguments.fell))
 	_end("")
 
 
 func _fell_around(point: Vector3, count: int) -> void:
 	point.y = world.ground.get_height(point)
-	session.call(&"ask", point, REACH, PackedStringArray(world.get(&"TREES")))
+	session.call(&"ask", point, RADIUS, PackedStringArray(world.get(&"TREES")))
 	var answer: Array = await session.answered
 	var ids: PackedInt64Array = answer[1]
-	print("client: %d trees within %.0f m" % [ids.size(), REACH])
+	print("client: %d trees within %.0f m" % [ids.size(), RADIUS])
 	var felled := Array(ids)
 	felled.sort_custom(func(a: int, b: int) -> bool: return _distance(a, point) < _distance(b, point))
 	felled.resize(mini(count, felled.size()))
@@ -52,7 +52,7 @@ func _distance(id: int, point: Vector3) -> float:
 	return world.get_instance(id).position.distance_to(point)
 
 
-func _end(why: String) -> void:
-	if why != "":
-		printerr("client: " + why)
-	get_tree().quit(0 if why == "" else 1)
+func _end(message: String) -> void:
+	if message != "":
+		printerr("client: " + message)
+	get_tree().quit(0 if message == "" else 1)

@@ -88,8 +88,8 @@ func fell() -> void:
 		scene.reparent(self)
 	scene.global_transform = tree.transform
 	scene.show_as(tree.layer.meshes[tree.mesh])
-	var away := (scene.global_position - player.global_position) * Vector3(1.0, 0.0, 1.0)
-	scene.fall(away.normalized().rotated(Vector3.UP, ASIDE), world.ground)
+	var direction := (scene.global_position - player.global_position) * Vector3(1.0, 0.0, 1.0)
+	scene.fall(direction.normalized().rotated(Vector3.UP, ASIDE), world.ground)
 	falling.append(scene)
 	scene.tree_exited.connect(func() -> void: falling.erase(scene))
 	player.looked_at = null
@@ -111,8 +111,8 @@ func load_saved() -> void:
 	_show_message("loaded" if error == OK else "not loaded: " + error_string(error))
 
 
-func _show_message(what: String) -> void:
-	_message.text = "%s\n%d felled, %d stumps" % [what, world.state.get_removed_count(), world.state.get_added_count()]
+func _show_message(text: String) -> void:
+	_message.text = "%s\n%d felled, %d stumps" % [text, world.state.get_removed_count(), world.state.get_added_count()]
 
 
 func _on_scene_shown(id: int, scene: Node3D) -> void:
@@ -120,12 +120,12 @@ func _on_scene_shown(id: int, scene: Node3D) -> void:
 	scene.call(&"show_as", tree.layer.meshes[tree.mesh])
 
 
-func _enlarge_map(large: bool) -> void:
-	minimap.reach = MAP_REACHES[int(large)]
-	var view := get_viewport().get_visible_rect().size
-	var side := minf(MAP_SIZES[int(large)], view.y - 32.0)
-	minimap.set_deferred(&"size", Vector2(side, side))
-	minimap.set_deferred(&"position", Vector2(view.x - side - 16.0, 16.0))
+func _enlarge_map(is_large: bool) -> void:
+	minimap.reach = MAP_REACHES[int(is_large)]
+	var view_size := get_viewport().get_visible_rect().size
+	var map_size := minf(MAP_SIZES[int(is_large)], view_size.y - 32.0)
+	minimap.set_deferred(&"size", Vector2(map_size, map_size))
+	minimap.set_deferred(&"position", Vector2(view_size.x - map_size - 16.0, 16.0))
 
 
 ## Returns the glow material, with the texture and the wind parameters of a tree's material.

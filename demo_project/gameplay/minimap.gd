@@ -26,53 +26,53 @@ const SMALLEST_DOT := 3.5
 @export_range(10.0, 500.0, 1.0, "suffix:m") var reach := 60.0:
 	set(value):
 		reach = clampf(value, 10.0, 500.0)
-		_stale = true
+		_is_stale = true
 
 ## The number of dots on the map.
 var dots := 0
 
-var _stale := true
+var _is_stale := true
 var _center := Vector2.INF
-var _shown: ScatterInstances
-var _seen := []
+var _instances: ScatterInstances
+var _last_revision := []
 
 
 func _process(_delta: float) -> void:
 	if not is_visible_in_tree():
 		return
 	# Comparing the state itself also detects that the game has loaded another state.
-	var seen := [world.state, world.state.get_revision()]
-	_stale = _stale or seen != _seen
-	_seen = seen
-	var here := Vector2(player.global_position.x, player.global_position.z)
-	if _stale or here.distance_to(_center) > STEP:
-		_ask(here)
+	var revision := [world.state, world.state.get_revision()]
+	_is_stale = _is_stale or revision != _last_revision
+	_last_revision = revision
+	var player_xz := Vector2(player.global_position.x, player.global_position.z)
+	if _is_stale or player_xz.distance_to(_center) > STEP:
+		_query_instances(player_xz)
 	queue_redraw()
 
 
-func _ask(here: Vector2) -> void:
+func _query_instances(player_xz: Vector2) -> void:
 	var mapped_layers := world.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and COLORS.has(layer.resource_name))
-	var around := Vector2(reach + STEP, reach + STEP)
-	_shown = world.query_rect(Rect2(here - around, around * 2.0), mapped_layers)
-	_center = here
-	_stale = false
+	var half_size := Vector2(reach + STEP, reach + STEP)
+	_instances = world.query_rect(Rect2(player_xz - half_size, half_size * 2.0), mapped_layers)
+	_center = player_xz
+	_is_stale = false
 
 
 func _draw() -> void:
 	draw_rect(Rect2(Vector2.ZERO, size), BACKGROUND)
-	var here := Vector2(player.global_position.x, player.global_position.z)
-	var scale_here := size.x * 0.5 / reach
-	var inside := Rect2(Vector2.ZERO, size).grow(-2.0)
-	var positions := _shown.positions if _shown != null else PackedVector3Array()
+	var player_xz := Vector2(player.global_position.x, player.global_position.z)
+	var pixels_per_meter := size.x * 0.5 / reach
+	var visible_rect := Rect2(Vector2.ZERO, size).grow(-2.0)
+	var positions := _instances.positions if _instances != null else PackedVector3Array()
 	dots = 0
 	for i in positions.size():
-		var layer := _shown.get_layer(i)
-		var at := size * 0.5 + (Vector2(positions[i].x, positions[i].z) - here) * scale_here
-		if inside.has_point(at):
+		var layer := _instances.get_layer(i)
+		var dot := size * 0.5 + (Vector2(positions[i].x, positions[i].z) - player_xz) * pixels_per_meter
+		if visible_rect.has_point(dot):
 			dots += 1
-			draw_circle(at, maxf(layer.radius * DOT * scale_here, SMALLEST_DOT), COLORS[layer.resource_name])
-	var ahead := Vector2.UP.rotated(-player.global_rotation.y)
-	var side := ahead.orthogonal() * 5.0
-	draw_colored_polygon([size * 0.5 + ahead * 11.0, size * 0.5 + side - ahead * 6.0, size * 0.5 - side - ahead * 6.0],
+			draw_circle(dot, maxf(layer.radius * DOT * pixels_per_meter, SMALLEST_DOT), COLORS[layer.resource_name])
+	var forward := Vector2.UP.rotated(-player.global_rotation.y)
+	var side := forward.orthogonal() * 5.0
+	draw_colored_polygon([size * 0.5 + forward * 11.0, size * 0.5 + side - forward * 6.0, size * 0.5 - side - forward * 6.0],
 			PLAYER)
 	draw_rect(Rect2(Vector2.ZERO, size), FRAME, false, 2.0)

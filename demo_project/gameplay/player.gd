@@ -4,10 +4,10 @@ extends CharacterBody3D
 
 ## The walking speed in meters per second, and the factor by which Shift makes walking faster.
 const WALK_SPEED := 3.0
-const FAST := 2.5
+const FAST_FACTOR := 2.5
 const RADIANS_PER_PIXEL := 0.0025
 ## The distance in meters within which trees are found.
-const REACH := 30.0
+const MAX_DISTANCE := 30.0
 
 ## The world to walk in.
 @export var world: TerrainScatter3D
@@ -35,28 +35,28 @@ func _unhandled_input(event: InputEvent) -> void:
 
 
 ## Captures the mouse to turn the view, or releases it.
-func capture(wanted: bool) -> void:
-	captured = wanted
-	Input.mouse_mode = Input.MOUSE_MODE_CAPTURED if wanted else Input.MOUSE_MODE_VISIBLE
+func capture(is_captured: bool) -> void:
+	captured = is_captured
+	Input.mouse_mode = Input.MOUSE_MODE_CAPTURED if is_captured else Input.MOUSE_MODE_VISIBLE
 
 
 func _physics_process(_delta: float) -> void:
 	var direction := Vector3(_axis(KEY_A, KEY_D) + _axis(KEY_LEFT, KEY_RIGHT), 0.0,
 			_axis(KEY_W, KEY_S) + _axis(KEY_UP, KEY_DOWN))
-	var fast := FAST if Input.is_physical_key_pressed(KEY_SHIFT) else 1.0
-	velocity = Basis(Vector3.UP, rotation.y) * direction.limit_length(1.0) * WALK_SPEED * fast
+	var speed_factor := FAST_FACTOR if Input.is_physical_key_pressed(KEY_SHIFT) else 1.0
+	velocity = Basis(Vector3.UP, rotation.y) * direction.limit_length(1.0) * WALK_SPEED * speed_factor
 	if velocity != Vector3.ZERO:
 		move_and_slide()
 		_stand_on_ground()
 	var from := eyes.global_position
-	looked_at = world.query_ray(from, from - eyes.global_basis.z * REACH, world.get(&"TREES"))
+	looked_at = world.query_ray(from, from - eyes.global_basis.z * MAX_DISTANCE, world.get(&"TREES"))
 
 
 ## Puts the player back on the ground, because obstacles may have pushed it up or down.
 func _stand_on_ground() -> void:
-	var ground := world.ground.get_height(position)
-	if is_finite(ground):
-		position.y = ground
+	var ground_height := world.ground.get_height(position)
+	if is_finite(ground_height):
+		position.y = ground_height
 
 
 static func _axis(negative: Key, positive: Key) -> float:

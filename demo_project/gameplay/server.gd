@@ -39,6 +39,6 @@ func _on_client_left(client: int) -> void:
 	print("server: %d has left, %d felled" % [client, world.state.get_removed_count()])
 
 
-func _end(why: String) -> void:
-	printerr("server: " + why)
+func _end(message: String) -> void:
+	printerr("server: " + message)
 	get_tree().quit(1)

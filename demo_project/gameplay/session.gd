@@ -12,28 +12,28 @@ signal answered(question: int, ids: PackedInt64Array)
 signal synced
 
 ## The largest radius of a query in meters.
-const FARTHEST := 200.0
+const MAX_RADIUS := 200.0
 ## The largest number of clients of a server.
-const MOST_CLIENTS := 32
+const MAX_CLIENTS := 32
 
 ## The shared world. Its [member TerrainScatter3D.state] is not null.
 @export var world: TerrainScatter3D
 
 ## The revision of the state that each client has. Only used on the server.
-var _known: Dictionary[int, int] = {}
-var _questions := 0
+var _client_revisions: Dictionary[int, int] = {}
+var _question_count := 0
 
 
 ## Starts a server on a port of this machine, or on a free port if [param at_port] is 0. See [method port].
 func host(at_port: int) -> Error:
 	var peer := ENetMultiplayerPeer.new()
 	peer.set_bind_ip("127.0.0.1")
-	var error := peer.create_server(at_port, MOST_CLIENTS)
+	var error := peer.create_server(at_port, MAX_CLIENTS)
 	if error == OK:
 		# Clients send only requests, no diffs. If a client sends a diff anyway, these default limits restrict it.
 		world.state.diff_limits = ScatterDiffLimits.new()
 		_begin(peer)
-		multiplayer.peer_disconnected.connect(func(client: int) -> void: _known.erase(client))
+		multiplayer.peer_disconnected.connect(func(client: int) -> void: _client_revisions.erase(client))
 	return error
 
 
@@ -55,9 +55,9 @@ func port() -> int:
 ## Queries the server for the instances around a position, in the layers with these names. Returns a number. [signal answered] is emitted later with
 ## the same number.
 func ask(center: Vector3, radius: float, layers: PackedStringArray) -> int:
-	_questions += 1
-	_ask.rpc_id(1, _questions, center, radius, layers)
-	return _questions
+	_question_count += 1
+	_ask.rpc_id(1, _question_count, center, radius, layers)
+	return _question_count
 
 
 ## Sends the server a request to fell a tree. If the server accepts it, the change arrives with a later diff.
@@ -73,17 +73,17 @@ func _begin(peer: ENetMultiplayerPeer) -> void:
 
 func _process(_delta: float) -> void:
 	var revision := world.state.get_revision()
-	for client in _known:
-		if _known[client] != revision:
-			_sync.rpc_id(client, world.state.diff_since(maxi(_known[client], 0)))
-			_known[client] = revision
+	for client in _client_revisions:
+		if _client_revisions[client] != revision:
+			_sync.rpc_id(client, world.state.diff_since(maxi(_client_revisions[client], 0)))
+			_client_revisions[client] = revision
 
 
 @rpc("any_peer", "call_remote", "reliable")
-func _greet(their_seed: int) -> void:
+func _greet(client_seed: int) -> void:
 	var client := multiplayer.get_remote_sender_id()
-	if their_seed == world.seed:
-		_known[client] = -1
+	if client_seed == world.seed:
+		_client_revisions[client] = -1
 	else:
 		multiplayer.multiplayer_peer.disconnect_peer(client)
 
@@ -92,15 +92,15 @@ func _greet(their_seed: int) -> void:
 func _ask(question: int, center: Vector3, radius: float, layers: PackedStringArray) -> void:
 	var client := multiplayer.get_remote_sender_id()
 	# Data from the network must be validated.
-	if not _known.has(client) or not center.is_finite() or not is_finite(radius):
+	if not _client_revisions.has(client) or not center.is_finite() or not is_finite(radius):
 		return
-	var present := world.query_sphere(center, clampf(radius, 0.0, FARTHEST), layers)
-	_answer.rpc_id(client, question, present.ids)
+	var instances := world.query_sphere(center, clampf(radius, 0.0, MAX_RADIUS), layers)
+	_answer.rpc_id(client, question, instances.ids)
 
 
 @rpc("any_peer", "call_remote", "reliable")
 func _fell(id: int) -> void:
-	if _known.has(multiplayer.get_remote_sender_id()):
+	if _client_revisions.has(multiplayer.get_remote_sender_id()):
 		world.call(&"fell", id)
 
 
@@ -108,8 +108,8 @@ func _fell(id: int) -> void:
 @rpc("any_peer", "call_remote", "reliable")
 func _send_since(revision: int) -> void:
 	var client := multiplayer.get_remote_sender_id()
-	if _known.has(client):
-		_known[client] = clampi(revision, 0, world.state.get_revision())
+	if _client_revisions.has(client):
+		_client_revisions[client] = clampi(revision, 0, world.state.get_revision())
 
 
 @rpc("authority", "call_remote", "reliable")
@@ -119,9 +119,9 @@ func _answer(question: int, ids: PackedInt64Array) -> void:
 
 @rpc("authority", "call_remote", "reliable")
 func _sync(diff: PackedByteArray) -> void:
-	var since := world.state.get_missing_since(diff)
-	if since >= 0:
-		_send_since.rpc_id(1, since)
+	var missing_revision := world.state.get_missing_since(diff)
+	if missing_revision >= 0:
+		_send_since.rpc_id(1, missing_revision)
 		return
 	var error := world.state.apply_diff(diff)
 	if error != OK:

@@ -4,14 +4,14 @@ extends Node
 ## so this node is a sibling of the game, not its child.
 
 ## The time in seconds after which an unfinished step fails.
-const PATIENCE := 60.0
+const TIMEOUT := 60.0
 ## The factor by which game time runs faster between screenshots.
-const HURRY := 4.0
+const TIME_SCALE := 4.0
 ## The number of frames to draw before a screenshot, so that shadows settle.
 const SETTLING_FRAMES := 2
 ## The distances in meters from a tree and from a stump at which the player stops.
-const STAND_BACK := 7.0
-const STAND_NEAR := 3.2
+const TREE_DISTANCE := 7.0
+const STUMP_DISTANCE := 3.2
 
 ## The folder for the screenshots; empty for none.
 var folder := ""
@@ -20,15 +20,15 @@ var _failed := false
 var _game: Node3D
 
 
-## Starts a tour of the game in the current scene. Screenshots are written to [param where], or to a default folder if it is empty. Without a display,
+## Starts a tour of the game in the current scene. Screenshots are written to [param picture_folder], or to a default folder if it is empty. Without a display,
 ## there are no screenshots.
-static func begin(tree: SceneTree, where: String) -> void:
+static func begin(tree: SceneTree, picture_folder: String) -> void:
 	var tour := new()
 	tour.name = "Tour"
 	tour.process_mode = Node.PROCESS_MODE_ALWAYS
 	if DisplayServer.get_name() != "headless":
 		var default_folder := ProjectSettings.globalize_path("res://").path_join("../build/demo/gameplay").simplify_path()
-		tour.folder = where if where != "" else default_folder
+		tour.folder = picture_folder if picture_folder != "" else default_folder
 	tree.root.add_child.call_deferred(tour)
 
 
@@ -36,7 +36,7 @@ func _ready() -> void:
 	get_viewport().msaa_3d = Viewport.MSAA_DISABLED
 	get_viewport().scaling_3d_scale = 2.0
 	RenderingServer.render_loop_enabled = false
-	Engine.time_scale = HURRY
+	Engine.time_scale = TIME_SCALE
 	if folder != "" and DirAccess.make_dir_recursive_absolute(folder) != OK:
 		_check(false, "cannot create the folder %s" % folder)
 	_play.call_deferred()
@@ -64,7 +64,7 @@ func _walk() -> void:
 	var oak: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, "Oak")
 	if not _check(oak != null, "no oak nearby"):
 		return
-	await _walk_to(oak, STAND_BACK)
+	await _walk_to(oak, TREE_DISTANCE)
 
 
 func _look() -> void:
@@ -84,7 +84,7 @@ func _wait_for_the_stump() -> void:
 	await _until(func() -> bool: return _game.falling.is_empty(), "the fallen tree dissolves")
 	var stump: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, "Stump")
 	if _check(stump != null, "no stump"):
-		await _walk_towards(stump.transform.origin, STAND_NEAR)
+		await _walk_towards(stump.transform.origin, STUMP_DISTANCE)
 		await _look_at(stump.transform.origin + Vector3.UP * 0.6)
 		await _picture("stump")
 
@@ -95,7 +95,7 @@ func _fell_more() -> void:
 		var tree: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, _game.world.TREES)
 		if not _check(tree != null, "no more trees"):
 			return
-		await _walk_to(tree, STAND_BACK)
+		await _walk_to(tree, TREE_DISTANCE)
 		_key(KEY_F)
 		await _until(func() -> bool: return not _game.world.has_instance(tree.id), "the tree is felled")
 	await _until(func() -> bool: return _game.falling.is_empty(), "all fallen trees dissolve")
@@ -109,7 +109,7 @@ func _map() -> void:
 
 ## Saves, restarts the game, and loads. Between the restart and loading, the world must have no changes.
 func _save_and_reload() -> void:
-	var here: Transform3D = _game.player.global_transform
+	var player_transform: Transform3D = _game.player.global_transform
 	var felled: PackedInt64Array = _game.world.state.get_removed()
 	var digest: int = _game.world.state.get_digest()
 	_check(felled.size() == 4, "expected 4 felled trees, got %d" % felled.size())
@@ -118,7 +118,7 @@ func _save_and_reload() -> void:
 	get_tree().reload_current_scene()
 	await _frames(3)
 	_game = get_tree().current_scene
-	_game.player.global_transform = here
+	_game.player.global_transform = player_transform
 	_key(KEY_H)
 	_check(_game.world.has_instance(felled[0]), "a felled tree is still missing after a restart")
 	_key(KEY_F9)
@@ -153,9 +153,9 @@ func _flat_distance(point: Vector3) -> float:
 func _look_at(point: Vector3) -> void:
 	_game.player.captured = true
 	var eyes: Camera3D = _game.player.eyes
-	var wanted := (point - eyes.global_position).normalized()
-	var turn := Vector2(angle_difference(atan2(-wanted.x, -wanted.z), eyes.global_rotation.y),
-			eyes.global_rotation.x - asin(wanted.y))
+	var direction := (point - eyes.global_position).normalized()
+	var turn := Vector2(angle_difference(atan2(-direction.x, -direction.z), eyes.global_rotation.y),
+			eyes.global_rotation.x - asin(direction.y))
 	var motion := InputEventMouseMotion.new()
 	motion.relative = turn / _game.player.RADIANS_PER_PIXEL
 	Input.parse_input_event(motion)
@@ -178,13 +178,13 @@ func _hold(key: Key, pressed: bool) -> void:
 
 
 ## Waits until all tiles are visible, then saves a screenshot while the game is paused.
-func _picture(what: String) -> void:
+func _picture(picture_name: String) -> void:
 	await _frames(3)
 	await _until(func() -> bool: return _game.world.is_settled(), "all tiles are visible")
 	if _failed:
 		return
 	var stats: Dictionary = _game.world.get_stats()
-	print("demo: %s: %d tiles, %d instances" % [what, stats.tiles, stats.instances])
+	print("demo: %s: %d tiles, %d instances" % [picture_name, stats.tiles, stats.instances])
 	if folder == "":
 		return
 	get_tree().paused = true
@@ -194,7 +194,7 @@ func _picture(what: String) -> void:
 	RenderingServer.render_loop_enabled = false
 	get_tree().paused = false
 	var image := get_viewport().get_texture().get_image()
-	var path := folder.path_join("%s.png" % what)
+	var path := folder.path_join("%s.png" % picture_name)
 	_check(image != null and not image.is_empty() and image.save_png(path) == OK, "cannot write %s" % path)
 
 
@@ -203,15 +203,15 @@ func _frames(count: int) -> void:
 		await get_tree().process_frame
 
 
-func _until(holds: Callable, what: String) -> void:
-	var limit := Time.get_ticks_msec() + int(PATIENCE * 1000.0)
-	while not _failed and not holds.call():
-		_check(Time.get_ticks_msec() < limit, "not within %.0f s: %s" % [PATIENCE, what])
+func _until(condition: Callable, description: String) -> void:
+	var deadline := Time.get_ticks_msec() + int(TIMEOUT * 1000.0)
+	while not _failed and not condition.call():
+		_check(Time.get_ticks_msec() < deadline, "not within %.0f s: %s" % [TIMEOUT, description])
 		await get_tree().process_frame
 
 
-func _check(holds: bool, what: String) -> bool:
-	if not holds:
+func _check(is_true: bool, message: String) -> bool:
+	if not is_true:
 		_failed = true
-		printerr("demo: " + what)
-	return holds
+		printerr("demo: " + message)
+	return is_true

@@ -10,10 +10,10 @@ const FIRST_LEAN := 0.04
 ## The fraction of its speed that remains when the crown bounces off the ground.
 const BOUNCE := 0.22
 ## The angle in radians between the ground and the lying trunk, whose end rests on the crown's branches.
-const CROWN := 0.14
+const CROWN_ANGLE := 0.14
 ## The time that the tree lies before it dissolves, and the duration of dissolving, in seconds.
-const REST := 5.0
-const DISSOLVING := 2.5
+const REST_SECONDS := 5.0
+const DISSOLVE_SECONDS := 2.5
 
 ## The angle from the vertical in radians.
 var angle := 0.0
@@ -25,8 +25,8 @@ var _axis := Vector3.ZERO
 var _last_angle := 0.0
 var _height := 0.0
 var _hinge := Vector3.ZERO
-var _standing := Transform3D.IDENTITY
-var _lying := 0.0
+var _standing_transform := Transform3D.IDENTITY
+var _lying_seconds := 0.0
 var _material: ShaderMaterial
 
 @onready var _body: MeshInstance3D = $Body
@@ -43,13 +43,13 @@ func show_as(mesh: Mesh) -> void:
 
 ## Makes the tree fall onto a ground in a horizontal direction, a vector with a length of 1.
 func fall(direction: Vector3, ground: ScatterGround) -> void:
-	_standing = global_transform
-	_hinge = _standing * (Vector3.UP * Stump.HEIGHT)
-	_height = _body.get_aabb().end.y * _standing.basis.get_scale().y
+	_standing_transform = global_transform
+	_hinge = _standing_transform * (Vector3.UP * Stump.HEIGHT)
+	_height = _body.get_aabb().end.y * _standing_transform.basis.get_scale().y
 	_axis = Vector3.UP.cross(direction).normalized()
 	var crown := _hinge + direction * _height * 0.7
 	var rise := ground.get_height(crown) - _hinge.y
-	_last_angle = PI * 0.5 - (atan2(rise, _height * 0.7) if is_finite(rise) else 0.0) - CROWN
+	_last_angle = PI * 0.5 - (atan2(rise, _height * 0.7) if is_finite(rise) else 0.0) - CROWN_ANGLE
 	angle = FIRST_LEAN
 	_wear(_body.mesh.surface_get_material(0) as ShaderMaterial)
 	set_physics_process(true)
@@ -62,16 +62,16 @@ func _wear(standing_material: ShaderMaterial) -> void:
 	# Reads the wind time from the RenderingServer, where the scatter sets it. The value does not change after that, so
 	# the wind stops in the falling tree.
 	_material.set_shader_parameter(&"wind_time", RenderingServer.material_get_param(standing_material.get_rid(), &"wind_time"))
-	_material.set_shader_parameter(&"rooted", _standing.origin)
+	_material.set_shader_parameter(&"rooted", _standing_transform.origin)
 	_material.set_shader_parameter(&"cut_height", Stump.HEIGHT)
 	_body.material_override = _material
 
 
 func _physics_process(delta: float) -> void:
 	if lies:
-		_lying += delta
-		_material.set_shader_parameter(&"dissolved", (_lying - REST) / DISSOLVING)
-		if _lying > REST + DISSOLVING:
+		_lying_seconds += delta
+		_material.set_shader_parameter(&"dissolved", (_lying_seconds - REST_SECONDS) / DISSOLVE_SECONDS)
+		if _lying_seconds > REST_SECONDS + DISSOLVE_SECONDS:
 			queue_free()
 		return
 	# The equation of motion of a rod that rotates about its end.
@@ -81,5 +81,5 @@ func _physics_process(delta: float) -> void:
 		angle = _last_angle
 		lies = _speed < 0.3
 		_speed *= -BOUNCE
-	var turn := Transform3D(Basis(_axis, angle), Vector3.ZERO)
-	global_transform = Transform3D(Basis.IDENTITY, _hinge) * turn * Transform3D(Basis.IDENTITY, -_hinge) * _standing
+	var rotation_about_hinge := Transform3D(Basis(_axis, angle), Vector3.ZERO)
+	global_transform = Transform3D(Basis.IDENTITY, _hinge) * rotation_about_hinge * Transform3D(Basis.IDENTITY, -_hinge) * _standing_transform

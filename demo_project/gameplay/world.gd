@@ -30,10 +30,10 @@ func fell(id: int) -> bool:
 ## Returns the number of instances in a rectangle and a hash of their IDs and transforms. Two peers with the same world
 ## have the same fingerprint.
 func fingerprint(rect: Rect2) -> String:
-	var present := query_rect(rect)
+	var instances := query_rect(rect)
 	var hashing := HashingContext.new()
 	hashing.start(HashingContext.HASH_SHA256)
-	for part: PackedByteArray in [present.ids.to_byte_array(), present.transforms.to_byte_array()]:
-		if not part.is_empty():
-			hashing.update(part)
-	return "%d %s" % [present.ids.size(), hashing.finish().hex_encode()]
+	for bytes: PackedByteArray in [instances.ids.to_byte_array(), instances.transforms.to_byte_array()]:
+		if not bytes.is_empty():
+			hashing.update(bytes)
+	return "%d %s" % [instances.ids.size(), hashing.finish().hex_encode()]

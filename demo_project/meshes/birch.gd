@@ -20,7 +20,7 @@ static func build(variant: int) -> Builder:
 	leaves.region = Atlas.BROADLEAF
 	leaves.low = LOW
 	leaves.high = HIGH
-	leaves.heart = Vector3(0.0, 8.4, 0.0)
+	leaves.center = Vector3(0.0, 8.4, 0.0)
 	leaves.radius = 4.4
 	leaves.heights = Vector2(4.0, 15.0)
 	leaves.flatness = 1.5
@@ -48,10 +48,10 @@ static func _clumps(rng: RandomNumberGenerator, variant: int) -> Array[Vector4]:
 	var result: Array[Vector4] = []
 	var count := 21
 	for i in count:
-		var along := (i + 0.5) / count
+		var fraction := (i + 0.5) / count
 		var angle := i * 2.39996 + 1.7 * variant
-		var reach := 2.5 * sin(PI * clampf(along * 0.82 + 0.2, 0.0, 1.0)) * rng.randf_range(0.7, 1.15)
-		result.append(Vector4(cos(angle) * reach, 4.4 + 9.4 * along - 0.25 * reach, sin(angle) * reach, rng.randf_range(0.65, 1.05)))
+		var distance := 2.5 * sin(PI * clampf(fraction * 0.82 + 0.2, 0.0, 1.0)) * rng.randf_range(0.7, 1.15)
+		result.append(Vector4(cos(angle) * distance, 4.4 + 9.4 * fraction - 0.25 * distance, sin(angle) * distance, rng.randf_range(0.65, 1.05)))
 	result.append(Vector4(0.0, 14.0, 0.0, 0.8))
 	return result
 

@@ -17,10 +17,10 @@ static func build(variant: int) -> Builder:
 		_column(builder, [Vector3(0.0, -0.3, 0.0), Vector3(0.0, 2.0, 0.0), Vector3(0.0, 4.3 + 0.4 * variant, 0.0)], 0.3, ribs)
 		for arm in variant:
 			var angle := arm * 2.6 + variant
-			var out := Vector3(cos(angle), 0.0, sin(angle))
+			var radial := Vector3(cos(angle), 0.0, sin(angle))
 			var root := Vector3.UP * rng.randf_range(1.5, 2.4)
-			var elbow := root + out * rng.randf_range(0.6, 0.8) + Vector3.UP * 0.2
-			_column(builder, [root, elbow, elbow + out * 0.1 + Vector3.UP * rng.randf_range(1.0, 1.9)], 0.19, ribs)
+			var elbow := root + radial * rng.randf_range(0.6, 0.8) + Vector3.UP * 0.2
+			_column(builder, [root, elbow, elbow + radial * 0.1 + Vector3.UP * rng.randf_range(1.0, 1.9)], 0.19, ribs)
 	builder.end(PackedFloat32Array([30.0, 110.0]))
 	return builder
 
@@ -42,15 +42,15 @@ static func _column(builder: Builder, points: Array[Vector3], radius: float, rib
 		var row := PackedInt32Array()
 		for k in sides + 1:
 			var angle := TAU * k / sides
-			var out := right * cos(angle) + forward * sin(angle)
-			var groove := k % 2 == 1 and ribs > 4
-			var color := LOW.lerp(HIGH, (0.25 if groove else 0.8) * (0.6 + 0.1 * i))
-			row.append(builder.vertex(path[i] + out * float(radii[i]) * (0.8 if groove else 1.0), out + axis * (0.5 if i > 2 else 0.0), color, Builder.OPAQUE_UV))
+			var radial := right * cos(angle) + forward * sin(angle)
+			var is_groove := k % 2 == 1 and ribs > 4
+			var color := LOW.lerp(HIGH, (0.25 if is_groove else 0.8) * (0.6 + 0.1 * i))
+			row.append(builder.vertex(path[i] + radial * float(radii[i]) * (0.8 if is_groove else 1.0), radial + axis * (0.5 if i > 2 else 0.0), color, Builder.OPAQUE_UV))
 		rows.append(row)
 	var tip := builder.vertex(points[2] + top * radius, top, HIGH, Builder.OPAQUE_UV)
 	for i in rows.size() - 1:
 		for k in sides:
 			builder.quad(rows[i][k], rows[i + 1][k], rows[i + 1][k + 1], rows[i][k + 1])
-	var last := rows[rows.size() - 1]
+	var last_row := rows[rows.size() - 1]
 	for k in sides:
-		builder.triangle(last[k], tip, last[k + 1])
+		builder.triangle(last_row[k], tip, last_row[k + 1])

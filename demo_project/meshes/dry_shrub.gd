@@ -23,16 +23,16 @@ static func build(variant: int) -> Builder:
 
 static func _twig(builder: Builder, index: int, level: int, rng: RandomNumberGenerator) -> void:
 	var angle := index * 2.39996
-	var out := Vector3(cos(angle), 0.0, sin(angle)) * rng.randf_range(0.35, 0.75)
-	var tip := out + Vector3.UP * rng.randf_range(0.5, 0.95)
-	var middle := out * 0.4 + Vector3.UP * 0.42
+	var radial := Vector3(cos(angle), 0.0, sin(angle)) * rng.randf_range(0.35, 0.75)
+	var tip := radial + Vector3.UP * rng.randf_range(0.5, 0.95)
+	var middle := radial * 0.4 + Vector3.UP * 0.42
 	if level < 2:
 		builder.tube(Vector3.DOWN * 0.05, middle, 0.02, 0.012, 3, TWIGS * 0.8, 0)
 		builder.tube(middle, tip, 0.012, 0.004, 3, TWIGS, 0)
 	var size: float = [0.2, 0.28, 0.42][level]
 	for leaf in (2 if level == 0 else 1):
-		var at := middle.lerp(tip, 0.95 - 0.5 * leaf)
+		var position := middle.lerp(tip, 0.95 - 0.5 * leaf)
 		var face := Vector3(rng.randf_range(-1.0, 1.0), rng.randf_range(0.2, 1.0), rng.randf_range(-1.0, 1.0)).normalized()
-		var right := face.cross(out).normalized()
+		var right := face.cross(radial).normalized()
 		var color := LOW.lerp(HIGH, rng.randf())
-		builder.card(at, right * size, right.cross(face) * size, out + Vector3.UP, Atlas.TUFT, color, 0.5)
+		builder.card(position, right * size, right.cross(face) * size, radial + Vector3.UP, Atlas.TUFT, color, 0.5)

@@ -23,17 +23,17 @@ static func build(variant: int) -> Builder:
 static func _fronds(builder: Builder, count: int, segments: int, rng: RandomNumberGenerator) -> void:
 	for i in count:
 		var angle := TAU * i / count + rng.randf_range(-0.3, 0.3)
-		var out := Vector3(cos(angle), 0.0, sin(angle))
-		var side := out.cross(Vector3.UP)
+		var radial := Vector3(cos(angle), 0.0, sin(angle))
+		var side := radial.cross(Vector3.UP)
 		var length := rng.randf_range(0.6, 0.85)
 		var rise := rng.randf_range(0.45, 0.75)
 		var previous := Vector2i(-1, -1)
 		for k in segments + 1:
 			var t := float(k) / segments
-			var position := out * length * t + Vector3.UP * (rise * sin(t * 2.3) * 0.85)
+			var position := radial * length * t + Vector3.UP * (rise * sin(t * 2.3) * 0.85)
 			var color := LOW.lerp(HIGH, 0.2 + 0.8 * t)
 			var u := Atlas.FROND.position.x + Atlas.FROND.size.x * t
-			var normal := Vector3.UP + out * (t - 0.2)
+			var normal := Vector3.UP + radial * (t - 0.2)
 			var a := builder.vertex(position + side * 0.2, normal + side * 0.3, color,
 					Vector2(u, Atlas.FROND.position.y))
 			var b := builder.vertex(position - side * 0.2, normal - side * 0.3, color, Vector2(u, Atlas.FROND.end.y))

@@ -41,13 +41,13 @@ static func _head(builder: Builder, head: Vector3, axis: Vector3, petals: int, s
 	var forward := right.cross(axis)
 	for i in petals:
 		var angle := TAU * i / petals
-		var out := right * cos(angle) + forward * sin(angle)
-		var wing := right * cos(angle + 1.57) + forward * sin(angle + 1.57)
+		var radial := right * cos(angle) + forward * sin(angle)
+		var tangent := right * cos(angle + 1.57) + forward * sin(angle + 1.57)
 		var root := builder.vertex(head, Vector3.UP, HEART, Builder.OPAQUE_UV)
-		var left := builder.vertex(head + (out * 0.75 + wing * 0.45) * size, Vector3.UP + out * 0.3, color,
+		var left_edge := builder.vertex(head + (radial * 0.75 + tangent * 0.45) * size, Vector3.UP + radial * 0.3, color,
 				Builder.OPAQUE_UV)
-		var tip := builder.vertex(head + out * size + axis * size * 0.25, Vector3.UP + out * 0.3, color,
+		var tip := builder.vertex(head + radial * size + axis * size * 0.25, Vector3.UP + radial * 0.3, color,
 				Builder.OPAQUE_UV)
-		var other := builder.vertex(head + (out * 0.75 - wing * 0.45) * size, Vector3.UP + out * 0.3, color,
+		var right_edge := builder.vertex(head + (radial * 0.75 - tangent * 0.45) * size, Vector3.UP + radial * 0.3, color,
 				Builder.OPAQUE_UV)
-		builder.quad(root, left, tip, other)
+		builder.quad(root, left_edge, tip, right_edge)

@@ -26,10 +26,10 @@ static func build(variant: int) -> Builder:
 
 static func _mat(builder: Builder, count: int, size: float, rng: RandomNumberGenerator) -> void:
 	for i in count:
-		var share := (i + 0.5) / count
+		var fraction := (i + 0.5) / count
 		var angle := i * 2.39996
-		var at := Vector3(cos(angle), 0.0, sin(angle)) * 0.6 * sqrt(share) + Vector3.UP * (0.04 + 0.16 * (1.0 - share) * rng.randf())
-		_leaf(builder, at, Vector3.UP + Vector3(rng.randf_range(-0.6, 0.6), 0.0, rng.randf_range(-0.6, 0.6)), size, rng)
+		var position := Vector3(cos(angle), 0.0, sin(angle)) * 0.6 * sqrt(fraction) + Vector3.UP * (0.04 + 0.16 * (1.0 - fraction) * rng.randf())
+		_leaf(builder, position, Vector3.UP + Vector3(rng.randf_range(-0.6, 0.6), 0.0, rng.randf_range(-0.6, 0.6)), size, rng)
 
 
 static func _shoots(builder: Builder, count: int, leaves: int, size: float, rng: RandomNumberGenerator) -> void:
@@ -39,12 +39,12 @@ static func _shoots(builder: Builder, count: int, leaves: int, size: float, rng:
 		var tip := root + Vector3(rng.randf_range(-0.12, 0.12), -rng.randf_range(0.8, 2.2), rng.randf_range(-0.12, 0.12))
 		builder.tube(root, tip, 0.012, 0.004, 3, STEM, 0)
 		for leaf in leaves:
-			var at := root.lerp(tip, (leaf + rng.randf_range(0.3, 0.9)) / leaves)
-			var out := Vector3(rng.randf_range(-1.0, 1.0), 0.35, rng.randf_range(-1.0, 1.0))
-			_leaf(builder, at + out * 0.06, out, size * (1.25 - 0.6 * leaf / leaves), rng)
+			var position := root.lerp(tip, (leaf + rng.randf_range(0.3, 0.9)) / leaves)
+			var normal := Vector3(rng.randf_range(-1.0, 1.0), 0.35, rng.randf_range(-1.0, 1.0))
+			_leaf(builder, position + normal * 0.06, normal, size * (1.25 - 0.6 * leaf / leaves), rng)
 
 
-static func _leaf(builder: Builder, at: Vector3, normal: Vector3, size: float, rng: RandomNumberGenerator) -> void:
+static func _leaf(builder: Builder, position: Vector3, normal: Vector3, size: float, rng: RandomNumberGenerator) -> void:
 	var face := normal.normalized()
 	var right := face.cross(Vector3(rng.randf_range(-1.0, 1.0), 0.2, rng.randf_range(-1.0, 1.0))).normalized()
-	builder.card(at, right * size, right.cross(face) * size, face, Atlas.BROADLEAF, LOW.lerp(HIGH, rng.randf()), 0.4)
+	builder.card(position, right * size, right.cross(face) * size, face, Atlas.BROADLEAF, LOW.lerp(HIGH, rng.randf()), 0.4)

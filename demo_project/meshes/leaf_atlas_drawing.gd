@@ -55,61 +55,61 @@ func _draw_barks() -> void:
 ## Draws one kind of bark. Cracks are where the noise [param cracks] has high values if [param sign] is 1, or low values if it is -1. The noise is
 ## computed with [param rows] rows and stretched along the trunk.
 func _draw_bark(column: Rect2, cracks: FastNoiseLite, rows: int, sign: float) -> void:
-	var wide := int(column.size.x * Atlas.SIZE.x)
-	var plates := cracks.get_seamless_image(wide, rows)
-	plates.resize(wide, Atlas.SIZE.y, Image.INTERPOLATE_BILINEAR)
-	var deep := plates.get_data()
-	var grain := _grain(wide)
+	var width := int(column.size.x * Atlas.SIZE.x)
+	var plates := cracks.get_seamless_image(width, rows)
+	plates.resize(width, Atlas.SIZE.y, Image.INTERPOLATE_BILINEAR)
+	var depths := plates.get_data()
+	var grain := _grain(width)
 	var bytes := PackedByteArray()
-	bytes.resize(wide * Atlas.SIZE.y)
+	bytes.resize(width * Atlas.SIZE.y)
 	for y in Atlas.SIZE.y:
-		var row := y * wide
-		for x in wide:
-			var here := deep[row + x] * sign
-			var slant := deep[row + (x + 2) % wide] * sign - here
-			var value := 0.86 - 0.0021 * (here + (255.0 if sign < 0.0 else 0.0)) + 0.005 * slant + 0.0014 * (grain[row + x] - 128.0)
+		var row := y * width
+		for x in width:
+			var depth := depths[row + x] * sign
+			var slant := depths[row + (x + 2) % width] * sign - depth
+			var value := 0.86 - 0.0021 * (depth + (255.0 if sign < 0.0 else 0.0)) + 0.005 * slant + 0.0014 * (grain[row + x] - 128.0)
 			bytes[row + x] = clampi(int(value * 255.0), 40, 255)
 	_put_column(column, bytes)
 
 
 ## Draws pale bark with dark horizontal marks.
 func _draw_birch_bark(column: Rect2) -> void:
-	var wide := int(column.size.x * Atlas.SIZE.x)
-	var grain := _grain(wide)
+	var width := int(column.size.x * Atlas.SIZE.x)
+	var grain := _grain(width)
 	var bytes := PackedByteArray()
-	bytes.resize(wide * Atlas.SIZE.y)
-	for at in bytes.size():
-		bytes[at] = clampi(int(226.0 + 0.2 * (grain[at] - 128.0)), 0, 255)
+	bytes.resize(width * Atlas.SIZE.y)
+	for index in bytes.size():
+		bytes[index] = clampi(int(226.0 + 0.2 * (grain[index] - 128.0)), 0, 255)
 	for mark in 170:
-		var middle := Vector2i(_random.randi_range(0, wide - 1), _random.randi_range(0, Atlas.SIZE.y - 1))
-		var half := int(_random.randf_range(6.0, 34.0) * (2.0 if mark % 9 == 0 else 1.0))
-		var tall := _random.randf_range(1.5, 3.5) * (3.0 if mark % 9 == 0 else 1.0)
-		var dark := _random.randf_range(0.18, 0.5)
-		for y in range(-int(tall) - 1, int(tall) + 2):
-			for x in range(-half, half + 1):
-				if absf(y) > tall * sqrt(1.0 - pow(float(x) / (half + 1), 2.0)):
+		var middle := Vector2i(_random.randi_range(0, width - 1), _random.randi_range(0, Atlas.SIZE.y - 1))
+		var half_width := int(_random.randf_range(6.0, 34.0) * (2.0 if mark % 9 == 0 else 1.0))
+		var half_height := _random.randf_range(1.5, 3.5) * (3.0 if mark % 9 == 0 else 1.0)
+		var darkness := _random.randf_range(0.18, 0.5)
+		for y in range(-int(half_height) - 1, int(half_height) + 2):
+			for x in range(-half_width, half_width + 1):
+				if absf(y) > half_height * sqrt(1.0 - pow(float(x) / (half_width + 1), 2.0)):
 					continue
-				var at := posmod(middle.y + y, Atlas.SIZE.y) * wide + posmod(middle.x + x, wide)
-				bytes[at] = mini(bytes[at], int(255.0 * dark) + grain[at] / 8)
+				var index := posmod(middle.y + y, Atlas.SIZE.y) * width + posmod(middle.x + x, width)
+				bytes[index] = mini(bytes[index], int(255.0 * darkness) + grain[index] / 8)
 	_put_column(column, bytes)
 
 
-func _grain(wide: int) -> PackedByteArray:
-	var fine := FastNoiseLite.new()
-	fine.seed = 9
-	fine.frequency = 0.12
-	return fine.get_seamless_image(wide, Atlas.SIZE.y).get_data()
+func _grain(width: int) -> PackedByteArray:
+	var noise := FastNoiseLite.new()
+	noise.seed = 9
+	noise.frequency = 0.12
+	return noise.get_seamless_image(width, Atlas.SIZE.y).get_data()
 
 
 ## Writes brightness values to a column and continues them at its edges.
 func _put_column(column: Rect2, brightness: PackedByteArray) -> void:
-	var wide := int(column.size.x * Atlas.SIZE.x)
-	var drawn := Image.create_from_data(wide, Atlas.SIZE.y, false, Image.FORMAT_L8, brightness)
-	drawn.convert(Image.FORMAT_RGBA8)
+	var width := int(column.size.x * Atlas.SIZE.x)
+	var column_image := Image.create_from_data(width, Atlas.SIZE.y, false, Image.FORMAT_L8, brightness)
+	column_image.convert(Image.FORMAT_RGBA8)
 	var left := int(column.position.x * Atlas.SIZE.x)
-	_image.blit_rect(drawn, Rect2i(0, 0, wide, Atlas.SIZE.y), Vector2i(left, 0))
-	_image.blit_rect(drawn, Rect2i(wide - MARGIN, 0, MARGIN, Atlas.SIZE.y), Vector2i(left - MARGIN, 0))
-	_image.blit_rect(drawn, Rect2i(0, 0, MARGIN, Atlas.SIZE.y), Vector2i(left + wide, 0))
+	_image.blit_rect(column_image, Rect2i(0, 0, width, Atlas.SIZE.y), Vector2i(left, 0))
+	_image.blit_rect(column_image, Rect2i(width - MARGIN, 0, MARGIN, Atlas.SIZE.y), Vector2i(left - MARGIN, 0))
+	_image.blit_rect(column_image, Rect2i(0, 0, MARGIN, Atlas.SIZE.y), Vector2i(left + width, 0))
 
 
 ## Clips the following strokes to [param region] and returns its upper left corner in texels.
@@ -140,11 +140,11 @@ func _draw_twig() -> void:
 	var tip := corner + Vector2(CELL * 0.9, CELL * 0.5)
 	_stroke(root, root.lerp(tip, 0.9), 6.0, 0.35, false)
 	for i in 19:
-		var along := (i + 0.5) / 19.0
-		var base := root.lerp(tip, along)
+		var fraction := (i + 0.5) / 19.0
+		var base := root.lerp(tip, fraction)
 		for side: float in [-1.0, 1.0]:
-			var reach := CELL * 0.45 * (1.0 - pow(along, 2.2)) * _random.randf_range(0.7, 1.0) + CELL * 0.05
-			var end := base + Vector2(_random.randf_range(0.5, 0.8), side).normalized() * reach
+			var length := CELL * 0.45 * (1.0 - pow(fraction, 2.2)) * _random.randf_range(0.7, 1.0) + CELL * 0.05
+			var end := base + Vector2(_random.randf_range(0.5, 0.8), side).normalized() * length
 			end.x = minf(end.x, corner.x + CELL * 0.96)
 			_needles(base, end, Vector2(18.0, 28.0), 3.2)
 	_needles(root.lerp(tip, 0.5), tip, Vector2(18.0, 28.0), 3.2)
@@ -170,11 +170,11 @@ func _draw_frond() -> void:
 	var tip := corner + Vector2(CELL * 0.97, CELL * 0.5)
 	_stroke(root, tip, 5.2, 0.55, false)
 	for i in 24:
-		var along := 0.05 + 0.93 * i / 24.0
-		var base := root.lerp(tip, along)
-		var reach := CELL * 0.41 * sin(PI * pow(along, 0.62)) + CELL * 0.02
+		var fraction := 0.05 + 0.93 * i / 24.0
+		var base := root.lerp(tip, fraction)
+		var length := CELL * 0.41 * sin(PI * pow(fraction, 0.62)) + CELL * 0.02
 		for side: float in [-1.0, 1.0]:
-			var end := base + Vector2(0.45, side).normalized() * reach * _random.randf_range(0.92, 1.0)
+			var end := base + Vector2(0.45, side).normalized() * length * _random.randf_range(0.92, 1.0)
 			_stroke(base, end, 9.0, _random.randf_range(0.75, 1.0), true)
 
 
@@ -196,15 +196,15 @@ func _draw_crown() -> void:
 	var corner := _begin(Atlas.CROWN)
 	var lumps: Array[Vector3] = []
 	for i in 16:
-		var at := Vector2.from_angle(i * 2.39996) * sqrt((i + 0.5) / 16.0) * 0.34
-		lumps.append(Vector3(0.5 + at.x, 0.5 + at.y * 0.95, _random.randf_range(0.11, 0.16)))
+		var position := Vector2.from_angle(i * 2.39996) * sqrt((i + 0.5) / 16.0) * 0.34
+		lumps.append(Vector3(0.5 + position.x, 0.5 + position.y * 0.95, _random.randf_range(0.11, 0.16)))
 	lumps.sort_custom(func(a: Vector3, b: Vector3) -> bool: return a.y > b.y)
 	for lump in lumps:
 		for i in 130:
-			var out := Vector2.from_angle(_random.randf() * TAU) * sqrt(_random.randf())
-			var root := corner + (Vector2(lump.x, lump.y) + out * lump.z) * CELL
-			var light := 0.62 - 0.28 * out.y + 0.22 * (0.5 - lump.y) + _random.randf_range(-0.1, 0.1)
-			var direction := Vector2.from_angle(out.angle() + _random.randf_range(-1.0, 1.0))
+			var direction_from_center := Vector2.from_angle(_random.randf() * TAU) * sqrt(_random.randf())
+			var root := corner + (Vector2(lump.x, lump.y) + direction_from_center * lump.z) * CELL
+			var light := 0.62 - 0.28 * direction_from_center.y + 0.22 * (0.5 - lump.y) + _random.randf_range(-0.1, 0.1)
+			var direction := Vector2.from_angle(direction_from_center.angle() + _random.randf_range(-1.0, 1.0))
 			var length := CELL * _random.randf_range(0.028, 0.045)
 			_stroke(root - direction * length, root + direction * length, length * 0.7, clampf(light, 0.3, 1.0), true)
 
@@ -212,37 +212,37 @@ func _draw_crown() -> void:
 ## Draws a whole conifer from the lowest bough to the tip.
 func _draw_conifer() -> void:
 	var corner := _begin(Atlas.CONIFER)
-	var wide := CELL * 0.5
-	_stroke(corner + Vector2(wide * 0.5, CELL * 0.99), corner + Vector2(wide * 0.5, CELL * 0.05), 5.0, 0.4, false)
+	var width := CELL * 0.5
+	_stroke(corner + Vector2(width * 0.5, CELL * 0.99), corner + Vector2(width * 0.5, CELL * 0.05), 5.0, 0.4, false)
 	var count := 420
 	for i in count:
-		var along := 1.0 - sqrt(1.0 - float(i) / count)
+		var fraction := 1.0 - sqrt(1.0 - float(i) / count)
 		var side := _random.randf_range(-1.0, 1.0)
-		var reach := wide * 0.48 * pow(1.0 - along, 0.9) * _random.randf_range(0.75, 1.0) + 6.0
-		var start := corner + Vector2(wide * 0.5 + side * reach * 0.15, CELL * (0.93 - 0.9 * along))
-		var end := start + Vector2(side * reach, reach * (0.42 - 0.5 * along) * _random.randf_range(0.6, 1.3))
-		var light := lerpf(0.55, 0.85, absf(side)) * lerpf(0.85, 1.1, along) * _random.randf_range(0.8, 1.1)
-		_stroke(start, end, 7.0 + 3.0 * (1.0 - along), minf(light, 1.0), true)
+		var length := width * 0.48 * pow(1.0 - fraction, 0.9) * _random.randf_range(0.75, 1.0) + 6.0
+		var start := corner + Vector2(width * 0.5 + side * length * 0.15, CELL * (0.93 - 0.9 * fraction))
+		var end := start + Vector2(side * length, length * (0.42 - 0.5 * fraction) * _random.randf_range(0.6, 1.3))
+		var light := lerpf(0.55, 0.85, absf(side)) * lerpf(0.85, 1.1, fraction) * _random.randf_range(0.8, 1.1)
+		_stroke(start, end, 7.0 + 3.0 * (1.0 - fraction), minf(light, 1.0), true)
 
 
 ## Draws a leaf (pointed at both ends, with a lighter rib) or a needle, with a half-width of [param width] texels.
-func _stroke(from: Vector2, to: Vector2, width: float, shade: float, leaf: bool) -> void:
+func _stroke(from: Vector2, to: Vector2, width: float, shade: float, is_leaf: bool) -> void:
 	var axis := to - from
 	var length := axis.length()
 	var forward := axis / length
-	var warm := _random.randf_range(-0.05, 0.05)
+	var warmth := _random.randf_range(-0.05, 0.05)
 	var box := Rect2i(Rect2(from, Vector2.ZERO).expand(to).grow(width + 1.0)).intersection(_bounds)
 	for y in range(box.position.y, box.end.y):
 		for x in range(box.position.x, box.end.x):
 			var offset := Vector2(x + 0.5, y + 0.5) - from
-			var along := offset.dot(forward) / length
-			if along < 0.0 or along > 1.0:
+			var fraction := offset.dot(forward) / length
+			if fraction < 0.0 or fraction > 1.0:
 				continue
-			var across := absf(offset.cross(forward))
-			var reach := width * (pow(sin(PI * along), 0.75) if leaf else 1.0 - 0.6 * along)
-			if across > reach:
+			var axis_distance := absf(offset.cross(forward))
+			var half_width := width * (pow(sin(PI * fraction), 0.75) if is_leaf else 1.0 - 0.6 * fraction)
+			if axis_distance > half_width:
 				continue
 			var value := shade
-			if leaf:
-				value *= 1.0 + 0.12 * maxf(0.0, 1.0 - across * 0.5) - 0.16 * across / width
-			_image.set_pixel(x, y, Color(value * (1.0 + warm), value, value * (1.0 - warm), 1.0))
+			if is_leaf:
+				value *= 1.0 + 0.12 * maxf(0.0, 1.0 - axis_distance * 0.5) - 0.16 * axis_distance / width
+			_image.set_pixel(x, y, Color(value * (1.0 + warmth), value, value * (1.0 - warmth), 1.0))

@@ -94,10 +94,10 @@ func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, side
 	var length := from.distance_to(to) / (PI * (from_radius + to_radius) * Atlas.BARK_LENGTH)
 	for i in sides + 1:
 		var angle := TAU * i / sides
-		var out := right * cos(angle) + forward * sin(angle)
+		var radial := right * cos(angle) + forward * sin(angle)
 		var u := column.position.x + column.size.x * i / sides
-		vertex(from + out * from_radius, out, color, Vector2(u, length))
-		vertex(to + out * to_radius, out, color, Vector2(u, 0.0))
+		vertex(from + radial * from_radius, radial, color, Vector2(u, length))
+		vertex(to + radial * to_radius, radial, color, Vector2(u, 0.0))
 	for i in sides:
 		var a := first + 2 * i
 		quad(a, a + 2, a + 3, a + 1)
@@ -109,8 +109,8 @@ func cone(base: Vector3, radius: float, height: float, sides: int, color: Color)
 	var first := _vertices.size()
 	for i in sides:
 		var angle := TAU * i / sides
-		var out := Vector3(cos(angle), 0.0, sin(angle))
-		vertex(base + out * radius, out + Vector3.UP * 0.55, color, OPAQUE_UV)
+		var radial := Vector3(cos(angle), 0.0, sin(angle))
+		vertex(base + radial * radius, radial + Vector3.UP * 0.55, color, OPAQUE_UV)
 	for i in sides:
 		triangle(apex, first + i, first + (i + 1) % sides)
 
@@ -121,11 +121,11 @@ func revolve(base: Vector3, axis: Vector3, profile: PackedVector2Array, colors: 
 	var forward := right.cross(axis)
 	var first := _vertices.size()
 	for point in profile.size():
-		var along := profile[mini(point + 1, profile.size() - 1)] - profile[maxi(point - 1, 0)]
+		var tangent := profile[mini(point + 1, profile.size() - 1)] - profile[maxi(point - 1, 0)]
 		for i in sides + 1:
 			var angle := TAU * i / sides
-			var out := right * cos(angle) + forward * sin(angle)
-			vertex(base + out * profile[point].x + axis * profile[point].y, out * along.y - axis * along.x, colors[point], OPAQUE_UV)
+			var radial := right * cos(angle) + forward * sin(angle)
+			vertex(base + radial * profile[point].x + axis * profile[point].y, radial * tangent.y - axis * tangent.x, colors[point], OPAQUE_UV)
 	for point in profile.size() - 1:
 		for i in sides:
 			var a := first + point * (sides + 1) + i
@@ -151,22 +151,22 @@ func distance(level: int) -> float:
 ## Returns a level as a separate mesh.
 func mesh_of(level: int, material: Material) -> ArrayMesh:
 	var arrays := _arrays()
-	var of_old := {}
-	var picked := PackedInt32Array()
+	var new_indices := {}
+	var old_indices := PackedInt32Array()
 	var indices := PackedInt32Array()
 	for index in _levels[level]:
-		if not of_old.has(index):
-			of_old[index] = picked.size()
-			picked.append(index)
-		indices.append(of_old[index])
+		if not new_indices.has(index):
+			new_indices[index] = old_indices.size()
+			old_indices.append(index)
+		indices.append(new_indices[index])
 	for stream in Mesh.ARRAY_INDEX:
 		if arrays[stream] != null:
-			var all: Variant = arrays[stream]
-			var some: Variant = all.duplicate()
-			some.resize(picked.size())
-			for at in picked.size():
-				some[at] = all[picked[at]]
-			arrays[stream] = some
+			var old_values: Variant = arrays[stream]
+			var new_values: Variant = old_values.duplicate()
+			new_values.resize(old_indices.size())
+			for index in old_indices.size():
+				new_values[index] = old_values[old_indices[index]]
+			arrays[stream] = new_values
 	arrays[Mesh.ARRAY_INDEX] = indices
 	var mesh := ArrayMesh.new()
 	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
@@ -200,31 +200,31 @@ func _arrays() -> Array:
 
 ## Returns the points and the clockwise faces of a unit icosphere, as an array of both.
 static func icosphere(subdivisions: int) -> Array:
-	var t := (1.0 + sqrt(5.0)) / 2.0
+	var phi := (1.0 + sqrt(5.0)) / 2.0
 	var points := PackedVector3Array()
 	for p: Vector3 in [
-		Vector3(-1, t, 0), Vector3(1, t, 0), Vector3(-1, -t, 0), Vector3(1, -t, 0), Vector3(0, -1, t), Vector3(0, 1, t),
-		Vector3(0, -1, -t), Vector3(0, 1, -t), Vector3(t, 0, -1), Vector3(t, 0, 1), Vector3(-t, 0, -1),
-		Vector3(-t, 0, 1)]:
+		Vector3(-1, phi, 0), Vector3(1, phi, 0), Vector3(-1, -phi, 0), Vector3(1, -phi, 0), Vector3(0, -1, phi), Vector3(0, 1, phi),
+		Vector3(0, -1, -phi), Vector3(0, 1, -phi), Vector3(phi, 0, -1), Vector3(phi, 0, 1), Vector3(-phi, 0, -1),
+		Vector3(-phi, 0, 1)]:
 		points.append(p.normalized())
 	var faces := PackedInt32Array([
 		0, 5, 11, 0, 1, 5, 0, 7, 1, 0, 10, 7, 0, 11, 10, 1, 9, 5, 5, 4, 11, 11, 2, 10, 10, 6, 7, 7, 8, 1,
 		3, 4, 9, 3, 2, 4, 3, 6, 2, 3, 8, 6, 3, 9, 8, 4, 5, 9, 2, 11, 4, 6, 10, 2, 8, 7, 6, 9, 1, 8])
 	for _step in subdivisions:
-		var next := PackedInt32Array()
-		var middle := {}
+		var next_faces := PackedInt32Array()
+		var midpoints := {}
 		for i in range(0, faces.size(), 3):
 			var corner := [faces[i], faces[i + 1], faces[i + 2]]
-			var halves: Array[int] = []
+			var edge_midpoints: Array[int] = []
 			for k in 3:
 				var a: int = mini(corner[k], corner[(k + 1) % 3])
 				var b: int = maxi(corner[k], corner[(k + 1) % 3])
 				var key := Vector2i(a, b)
-				if not middle.has(key):
-					middle[key] = points.size()
+				if not midpoints.has(key):
+					midpoints[key] = points.size()
 					points.append((points[a] + points[b]).normalized())
-				halves.append(middle[key])
-			next.append_array([corner[0], halves[0], halves[2], halves[0], corner[1], halves[1]])
-			next.append_array([halves[2], halves[1], corner[2], halves[0], halves[1], halves[2]])
-		faces = next
+				edge_midpoints.append(midpoints[key])
+			next_faces.append_array([corner[0], edge_midpoints[0], edge_midpoints[2], edge_midpoints[0], corner[1], edge_midpoints[1]])
+			next_faces.append_array([edge_midpoints[2], edge_midpoints[1], corner[2], edge_midpoints[0], edge_midpoints[1], edge_midpoints[2]])
+		faces = next_faces
 	return [points, faces]

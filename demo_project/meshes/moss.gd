@@ -15,12 +15,12 @@ static func build(variant: int) -> Builder:
 		builder.begin_level()
 		for i: int in [7, 4, 2][level]:
 			var angle := i * 2.39996 + variant
-			var reach := 0.2 * sqrt(i)
+			var distance := 0.2 * sqrt(i)
 			var size: float = rng.randf_range(0.09, 0.15) * (1.0 - 0.05 * i) * [1.0, 1.15, 1.5][level]
 			var lean := Vector3(rng.randf_range(-0.2, 0.2), 1.0, rng.randf_range(-0.2, 0.2)).normalized()
-			_cushion(builder, Vector3(cos(angle) * reach * 0.6, -0.02, sin(angle) * reach * 0.6), lean, size, [7, 6, 5][level], level)
+			_cushion(builder, Vector3(cos(angle) * distance * 0.6, -0.02, sin(angle) * distance * 0.6), lean, size, [7, 6, 5][level], level)
 			if level == 0:
-				_leaves(builder, Vector3(cos(angle) * reach * 0.6, -0.02, sin(angle) * reach * 0.6), size, rng)
+				_leaves(builder, Vector3(cos(angle) * distance * 0.6, -0.02, sin(angle) * distance * 0.6), size, rng)
 	builder.end(PackedFloat32Array([6.0, 15.0]))
 	return builder
 
@@ -39,10 +39,10 @@ static func _cushion(builder: Builder, base: Vector3, axis: Vector3, size: float
 static func _leaves(builder: Builder, base: Vector3, size: float, rng: RandomNumberGenerator) -> void:
 	for i in 9:
 		var angle := i * 2.39996
-		var steep := rng.randf_range(0.3, 1.5)
-		var out := Vector3(cos(angle) * cos(steep), sin(steep), sin(angle) * cos(steep))
+		var elevation := rng.randf_range(0.3, 1.5)
+		var direction := Vector3(cos(angle) * cos(elevation), sin(elevation), sin(angle) * cos(elevation))
 		var side := Vector3(-sin(angle), 0.0, cos(angle)) * 0.012
-		var root := base + out * size * Vector3(0.85, 0.4, 0.85)
+		var root := base + direction * size * Vector3(0.85, 0.4, 0.85)
 		var color := LOW.lerp(HIGH, rng.randf_range(0.5, 1.2))
-		builder.triangle(builder.vertex(root - side, out, color * 0.8, Builder.OPAQUE_UV), builder.vertex(root + out * 0.04, out, color, Builder.OPAQUE_UV),
-				builder.vertex(root + side, out, color * 0.8, Builder.OPAQUE_UV))
+		builder.triangle(builder.vertex(root - side, direction, color * 0.8, Builder.OPAQUE_UV), builder.vertex(root + direction * 0.04, direction, color, Builder.OPAQUE_UV),
+				builder.vertex(root + side, direction, color * 0.8, Builder.OPAQUE_UV))

@@ -9,7 +9,7 @@ const GILLS := Color(0.62, 0.5, 0.36, 0.4)
 
 ## Builds the mushrooms. The number [param variant] determines their individual shapes.
 static func build(variant: int) -> Builder:
-	var slender := variant % 2 == 1
+	var is_slender := variant % 2 == 1
 	var builder := Builder.new()
 	for level in 3:
 		var rng := RandomNumberGenerator.new()
@@ -17,12 +17,12 @@ static func build(variant: int) -> Builder:
 		builder.begin_level()
 		for i: int in [9, 6, 4][level]:
 			var angle := i * 2.39996 + variant
-			var out := Vector3(cos(angle), 0.0, sin(angle))
-			var height := rng.randf_range(0.12, 0.3) * (1.25 if slender else 1.0) * (1.0 - 0.05 * i)
-			var width := height * (0.34 if slender else 0.55) * rng.randf_range(0.8, 1.2)
+			var radial := Vector3(cos(angle), 0.0, sin(angle))
+			var height := rng.randf_range(0.12, 0.3) * (1.25 if is_slender else 1.0) * (1.0 - 0.05 * i)
+			var width := height * (0.34 if is_slender else 0.55) * rng.randf_range(0.8, 1.2)
 			var color := CAPS[variant % 2] * rng.randf_range(0.8, 1.1)
 			color.a = 1.0
-			_mushroom(builder, out * 0.16 * sqrt(i), (Vector3.UP + out * rng.randf_range(0.05, 0.35)).normalized(), height, width, color, [10, 6, 4][level], level)
+			_mushroom(builder, radial * 0.16 * sqrt(i), (Vector3.UP + radial * rng.randf_range(0.05, 0.35)).normalized(), height, width, color, [10, 6, 4][level], level)
 	builder.end(PackedFloat32Array([7.0, 18.0]))
 	return builder
 

@@ -18,20 +18,20 @@ static func build(variant: int) -> Builder:
 	rng.seed = 100 + variant
 	var shape := SHAPES[variant % SHAPES.size()]
 	var clumps := clumps_of(rng, variant)
-	var inside: Array[Vector4] = [Vector4(0.0, 9.2 * shape.y, 0.0, 3.6 * shape.x)]
+	var inner_clumps: Array[Vector4] = [Vector4(0.0, 9.2 * shape.y, 0.0, 3.6 * shape.x)]
 	var builder := Builder.new()
 	builder.begin_level()
 	trunk(builder, clumps, 7)
 	var leaves := crown(shape, rng)
-	leaves.add(builder, inside, 22, 1.3)
+	leaves.add(builder, inner_clumps, 22, 1.3)
 	leaves.add(builder, clumps, 22, 1.0)
 	builder.begin_level()
 	trunk(builder, clumps.slice(0, 4), 4)
-	leaves.add(builder, inside, 10, 1.8)
+	leaves.add(builder, inner_clumps, 10, 1.8)
 	leaves.add(builder, clumps, 7, 1.6)
 	builder.begin_level()
 	_stem(builder)
-	leaves.add(builder, inside, 5, 2.5)
+	leaves.add(builder, inner_clumps, 5, 2.5)
 	leaves.add(builder, clumps, 3, 2.3)
 	builder.begin_level()
 	_stem(builder)
@@ -47,12 +47,12 @@ static func clumps_of(rng: RandomNumberGenerator, variant: int) -> Array[Vector4
 	var shape := SHAPES[variant % SHAPES.size()]
 	for i in count:
 		# A golden-angle spiral from the crown's shoulder to its top keeps the clumps apart.
-		var along := (i + 0.5) / count
+		var fraction := (i + 0.5) / count
 		var angle := i * 2.39996 + variant
-		var reach := 3.8 * shape.x * sqrt(1.0 - pow(along * 1.04 - 0.12, 2.0)) * (0.6 if i > count - 4 else 1.0)
-		var height := (6.4 + 7.4 * along) * shape.y + rng.randf_range(-0.6, 0.6)
+		var distance := 3.8 * shape.x * sqrt(1.0 - pow(fraction * 1.04 - 0.12, 2.0)) * (0.6 if i > count - 4 else 1.0)
+		var height := (6.4 + 7.4 * fraction) * shape.y + rng.randf_range(-0.6, 0.6)
 		var radius := rng.randf_range(1.8, 2.5)
-		result.append(Vector4(cos(angle) * reach, height, sin(angle) * reach, radius))
+		result.append(Vector4(cos(angle) * distance, height, sin(angle) * distance, radius))
 	result.append(Vector4(0.3, 13.2 * shape.y, -0.2, 2.2))
 	return result
 
@@ -63,7 +63,7 @@ static func crown(shape: Vector2, rng: RandomNumberGenerator) -> Crown:
 	foliage.region = Atlas.BROADLEAF
 	foliage.low = LOW
 	foliage.high = HIGH
-	foliage.heart = HEART * shape.y
+	foliage.center = HEART * shape.y
 	foliage.radius = 5.9 * shape.x
 	foliage.heights = Vector2(4.8, 15.0) * shape.y
 	foliage.random = rng
@@ -93,7 +93,7 @@ static func _stem(builder: Builder) -> void:
 
 ## Adds the crown of the farthest LOD: crossed images of a crown, and one image that is seen from above.
 static func _far_crown(builder: Builder, shape: Vector2) -> void:
-	var wide := 5.9 * shape.x
-	builder.crossed(Vector3(0.0, 4.2 * shape.y, 0.0), wide, 11.2 * shape.y, Atlas.CROWN, LOW.lerp(HIGH, 0.52), LOW.lerp(HIGH, 1.1), 3)
-	builder.card(Vector3(0.0, 9.6 * shape.y, 0.0), Vector3.RIGHT * wide * 0.8, Vector3.FORWARD * wide * 0.8, Vector3.UP, Atlas.CROWN,
+	var half_width := 5.9 * shape.x
+	builder.crossed(Vector3(0.0, 4.2 * shape.y, 0.0), half_width, 11.2 * shape.y, Atlas.CROWN, LOW.lerp(HIGH, 0.52), LOW.lerp(HIGH, 1.1), 3)
+	builder.card(Vector3(0.0, 9.6 * shape.y, 0.0), Vector3.RIGHT * half_width * 0.8, Vector3.FORWARD * half_width * 0.8, Vector3.UP, Atlas.CROWN,
 			LOW.lerp(HIGH, 1.07), 0.7)

@@ -21,7 +21,7 @@ static func build(variant: int) -> Builder:
 	leaves.region = Atlas.TUFT
 	leaves.low = LOW
 	leaves.high = HIGH
-	leaves.heart = Vector3(0.0, 14.0, 0.0) + lean
+	leaves.center = Vector3(0.0, 14.0, 0.0) + lean
 	leaves.radius = 5.2
 	leaves.heights = Vector2(10.5, 19.5)
 	leaves.flatness = 0.55
@@ -49,11 +49,11 @@ static func _clumps(rng: RandomNumberGenerator, variant: int, lean: Vector3) -> 
 	var result: Array[Vector4] = []
 	var count := 11
 	for i in count:
-		var along := (i + 0.5) / count
+		var fraction := (i + 0.5) / count
 		var angle := i * 2.39996 + 2.1 * variant
-		var reach := lerpf(3.5, 1.0, along * along) * rng.randf_range(0.65, 1.1)
-		var at := Vector3(cos(angle) * reach, 11.3 + 6.9 * along + rng.randf_range(-0.4, 0.4), sin(angle) * reach) + lean
-		result.append(Vector4(at.x, at.y, at.z, rng.randf_range(1.15, 1.75)))
+		var distance := lerpf(3.5, 1.0, fraction * fraction) * rng.randf_range(0.65, 1.1)
+		var position := Vector3(cos(angle) * distance, 11.3 + 6.9 * fraction + rng.randf_range(-0.4, 0.4), sin(angle) * distance) + lean
+		result.append(Vector4(position.x, position.y, position.z, rng.randf_range(1.15, 1.75)))
 	result.append(Vector4(lean.x, 18.5, lean.z, 1.2))
 	return result
 
@@ -73,5 +73,5 @@ static func _trunk(builder: Builder, clumps: Array[Vector4], lean: Vector3, side
 	# Dead stubs on the bare trunk.
 	for i in (4 if sides > 6 else 0):
 		var start := Vector3(0.0, 5.5 + 1.3 * i, 0.0) + lean * 0.3
-		var out := Vector3(cos(i * 2.4), 0.15, sin(i * 2.4))
-		builder.tube(start, start + out * (0.7 + 0.2 * i), 0.05, 0.015, 3, BARK * 0.7, BARK_KIND)
+		var direction := Vector3(cos(i * 2.4), 0.15, sin(i * 2.4))
+		builder.tube(start, start + direction * (0.7 + 0.2 * i), 0.05, 0.015, 3, BARK * 0.7, BARK_KIND)

@@ -28,7 +28,7 @@ const Materials := preload("res://meshes/plant_materials.gd")
 		finest_level = clampi(value, 0, 4)
 		_request_build()
 
-var _requested := false
+var _is_build_requested := false
 
 
 func _init() -> void:
@@ -41,11 +41,11 @@ func _validate_property(property: Dictionary) -> void:
 
 
 func _request_build() -> void:
-	if not _requested:
-		_requested = true
+	if not _is_build_requested:
+		_is_build_requested = true
 		_build.call_deferred()
 
 
 func _build() -> void:
-	_requested = false
+	_is_build_requested = false
 	Species.build(StringName(species), variant).commit(self, finest_level, Materials.of(StringName(species)))

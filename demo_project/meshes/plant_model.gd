@@ -20,7 +20,7 @@ const Materials := preload("res://meshes/plant_materials.gd")
 		variant = clampi(value, 0, 15)
 		_request_build()
 
-var _requested := false
+var _is_build_requested := false
 
 
 func _init() -> void:
@@ -33,18 +33,18 @@ func _validate_property(property: Dictionary) -> void:
 
 
 func _request_build() -> void:
-	if not _requested:
-		_requested = true
+	if not _is_build_requested:
+		_is_build_requested = true
 		_build.call_deferred()
 
 
 func _build() -> void:
-	_requested = false
+	_is_build_requested = false
 	var builder := Species.build(StringName(species), variant)
-	var built: Array[ScatterLod] = []
+	var new_lods: Array[ScatterLod] = []
 	for level in builder.level_count():
 		var lod := ScatterLod.new()
 		lod.mesh = builder.mesh_of(level, Materials.of(StringName(species)))
 		lod.distance = builder.distance(level)
-		built.append(lod)
-	lods = built
+		new_lods.append(lod)
+	lods = new_lods

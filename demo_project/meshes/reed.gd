@@ -31,15 +31,15 @@ static func _blades(builder: Builder, count: int, width: float, rng: RandomNumbe
 		var heading := rng.randf() * TAU
 		var lean := Vector3(cos(heading), 0.0, sin(heading)) * rng.randf_range(0.05, 0.3)
 		var side := Vector3(-sin(heading + 1.0), 0.0, cos(heading + 1.0)) * width * rng.randf_range(0.8, 1.2)
-		var tall := rng.randf_range(1.3, 2.0)
+		var height := rng.randf_range(1.3, 2.0)
 		var normal := Vector3.UP * 0.6 + lean + side.cross(Vector3.UP).normalized() * 0.4
-		var middle := root + Vector3.UP * tall * 0.6 + lean * 0.3
+		var middle := root + Vector3.UP * height * 0.6 + lean * 0.3
 		var color := LOW.lerp(HIGH, rng.randf_range(0.4, 0.7))
 		var a := builder.vertex(root + Vector3.DOWN * 0.5 - side, normal, LOW, Builder.OPAQUE_UV)
 		var b := builder.vertex(root + Vector3.DOWN * 0.5 + side, normal, LOW, Builder.OPAQUE_UV)
 		var c := builder.vertex(middle + side, normal, color, Builder.OPAQUE_UV)
 		var d := builder.vertex(middle - side, normal, color, Builder.OPAQUE_UV)
-		var tip := builder.vertex(root + Vector3.UP * tall + lean, normal, HIGH, Builder.OPAQUE_UV)
+		var tip := builder.vertex(root + Vector3.UP * height + lean, normal, HIGH, Builder.OPAQUE_UV)
 		builder.quad(a, d, c, b)
 		builder.triangle(d, tip, c)
 

@@ -46,19 +46,19 @@ const SOLID: Array[StringName] = [&"stone", &"sandstone", &"log"]
 
 
 func _initialize() -> void:
-	var out := FOLDER
+	var folder := FOLDER
 	for argument in OS.get_cmdline_user_args():
 		if argument.begins_with("--out="):
-			out = argument.trim_prefix("--out=").path_join("")
-	DirAccess.make_dir_recursive_absolute(out)
-	if out == FOLDER:
+			folder = argument.trim_prefix("--out=").path_join("")
+	DirAccess.make_dir_recursive_absolute(folder)
+	if folder == FOLDER:
 		_save_materials()
-	var saved := 0
+	var saved_count := 0
 	for species: StringName in MODELS:
 		for variant: int in MODELS[species]:
-			var error := ResourceSaver.save(model_of(species, variant), "%s%s_%d.res" % [out, species, variant + 1], ResourceSaver.FLAG_COMPRESS)
-			saved += int(error == OK)
-	print("%d models saved in %s" % [saved, out])
+			var error := ResourceSaver.save(model_of(species, variant), "%s%s_%d.res" % [folder, species, variant + 1], ResourceSaver.FLAG_COMPRESS)
+			saved_count += int(error == OK)
+	print("%d models saved in %s" % [saved_count, folder])
 	quit()
 
 

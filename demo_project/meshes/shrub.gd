@@ -22,24 +22,24 @@ static func build_of(seed: int, low: Color, high: Color, shape: Vector2, turn: i
 	for i in 4:
 		var angle := i * 1.6 + turn
 		var radius := leaves.random.randf_range(0.5, 0.72)
-		var reach := leaves.random.randf_range(0.35, 0.62) * shape.x
-		clumps.append(Vector4(cos(angle) * reach, radius * 0.85 * shape.y, sin(angle) * reach, radius * shape.x))
+		var distance := leaves.random.randf_range(0.35, 0.62) * shape.x
+		clumps.append(Vector4(cos(angle) * distance, radius * 0.85 * shape.y, sin(angle) * distance, radius * shape.x))
 	clumps.append(Vector4(0.05, 1.0 * shape.y, 0.0, 0.55 * shape.x))
 	leaves.region = Atlas.BROADLEAF
 	leaves.low = low
 	leaves.high = high
-	leaves.heart = Vector3(0.0, 0.35 * shape.y, 0.0)
+	leaves.center = Vector3(0.0, 0.35 * shape.y, 0.0)
 	leaves.radius = 1.25 * shape.x
 	leaves.heights = Vector2(0.0, 1.6) * shape.y
 	leaves.flatness = 0.9 * shape.y / shape.x
-	var inside: Array[Vector4] = [Vector4(0.0, 0.55 * shape.y, 0.0, 0.6 * shape.x)]
+	var inner_clumps: Array[Vector4] = [Vector4(0.0, 0.55 * shape.y, 0.0, 0.6 * shape.x)]
 	var builder := Builder.new()
 	builder.begin_level()
-	var many := sqrt(shape.x)
-	leaves.add(builder, inside, roundi(12 * many), 0.42 * shape.x / many)
-	leaves.add(builder, clumps, roundi(18 * many), 0.34 * shape.x / many)
+	var count_factor := sqrt(shape.x)
+	leaves.add(builder, inner_clumps, roundi(12 * count_factor), 0.42 * shape.x / count_factor)
+	leaves.add(builder, clumps, roundi(18 * count_factor), 0.34 * shape.x / count_factor)
 	builder.begin_level()
-	leaves.add(builder, inside, roundi(6 * shape.x), 0.6 * sqrt(shape.x))
+	leaves.add(builder, inner_clumps, roundi(6 * shape.x), 0.6 * sqrt(shape.x))
 	leaves.add(builder, clumps, roundi(6 * shape.x), 0.55 * sqrt(shape.x))
 	builder.begin_level()
 	builder.crossed(Vector3.DOWN * 0.1, 1.15 * shape.x, 1.65 * shape.y, Atlas.CROWN, low.lerp(high, 0.25), low.lerp(high, 0.75), 3)

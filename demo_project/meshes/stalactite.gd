@@ -10,7 +10,7 @@ const HIGH := Color(0.55, 0.48, 0.39)
 ## Builds the group. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	var axis := Vector3.UP if variant % 4 < 2 else Vector3.DOWN
-	var thick := 1.5 if variant % 2 == 1 else 1.0
+	var thickness := 1.5 if variant % 2 == 1 else 1.0
 	var builder := Builder.new()
 	for level in 3:
 		var rng := RandomNumberGenerator.new()
@@ -18,9 +18,9 @@ static func build(variant: int) -> Builder:
 		builder.begin_level()
 		for i: int in [6, 4, 3][level]:
 			var angle := i * 2.39996 + variant
-			var length := rng.randf_range(0.7, 1.6) * (1.0 - 0.13 * i) / sqrt(thick)
-			var base := Vector3(cos(angle), 0.0, sin(angle)) * 0.15 * sqrt(i) * thick
-			_cone(builder, base, axis, length, length * 0.11 * thick + 0.04, [9, 6, 4][level], [9, 5, 2][level], rng.randf() * 9.0)
+			var length := rng.randf_range(0.7, 1.6) * (1.0 - 0.13 * i) / sqrt(thickness)
+			var base := Vector3(cos(angle), 0.0, sin(angle)) * 0.15 * sqrt(i) * thickness
+			_cone(builder, base, axis, length, length * 0.11 * thickness + 0.04, [9, 6, 4][level], [9, 5, 2][level], rng.randf() * 9.0)
 	builder.end(PackedFloat32Array([14.0, 35.0]))
 	return builder
 

@@ -39,17 +39,17 @@ static func rock(builder: Builder, subdivisions: int, seed: int, stretch: Vector
 	var faces: PackedInt32Array = shape[1]
 	var first := -1
 	for point in points:
-		var cut := point
+		var position := point
 		var normal := point
 		for plane in cuts:
-			var over := plane.distance_to(cut)
-			if over > 0.0:
-				cut -= plane.normal * over
+			var excess := plane.distance_to(position)
+			if excess > 0.0:
+				position -= plane.normal * excess
 				normal = normal.lerp(plane.normal, 0.9)
 		# Roughens the faces, so that the stone looks weathered.
-		cut *= 1.0 + 0.03 * sin(point.x * 17.0 + seed) * sin(point.y * 13.0) * sin(point.z * 19.0)
-		var shade := low.lerp(high, clampf(cut.y * 0.6 + 0.6 + 0.14 * sin(point.x * 23.0 + point.y * 31.0 + seed), 0.0, 1.0))
-		var index := builder.vertex(cut * stretch + center, normal / stretch, shade, Builder.OPAQUE_UV)
+		position *= 1.0 + 0.03 * sin(point.x * 17.0 + seed) * sin(point.y * 13.0) * sin(point.z * 19.0)
+		var shade := low.lerp(high, clampf(position.y * 0.6 + 0.6 + 0.14 * sin(point.x * 23.0 + point.y * 31.0 + seed), 0.0, 1.0))
+		var index := builder.vertex(position * stretch + center, normal / stretch, shade, Builder.OPAQUE_UV)
 		if first < 0:
 			first = index
 	for i in range(0, faces.size(), 3):

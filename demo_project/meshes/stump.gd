@@ -30,14 +30,14 @@ static func build(variant: int) -> Builder:
 ## Adds the cut surface, with a few annual rings.
 static func _top(builder: Builder, radius: float, sides: int) -> void:
 	var rings := 5 if sides > 8 else 1
-	var inner: Array[int] = []
+	var inner_ring: Array[int] = []
 	for ring in rings + 1:
 		var color := WOOD if ring % 2 == 0 else RING
-		var outer: Array[int] = []
+		var outer_ring: Array[int] = []
 		for i in sides + 1:
 			var angle := TAU * i / sides
-			var out := Vector3(cos(angle), 0.0, sin(angle)) * radius * (ring + 0.001) / rings
-			outer.append(builder.vertex(out + Vector3.UP * HEIGHT, Vector3.UP, color, Builder.OPAQUE_UV))
+			var position := Vector3(cos(angle), 0.0, sin(angle)) * radius * (ring + 0.001) / rings
+			outer_ring.append(builder.vertex(position + Vector3.UP * HEIGHT, Vector3.UP, color, Builder.OPAQUE_UV))
 		for i in (sides if ring > 0 else 0):
-			builder.quad(inner[i], outer[i], outer[i + 1], inner[i + 1])
-		inner = outer
+			builder.quad(inner_ring[i], outer_ring[i], outer_ring[i + 1], inner_ring[i + 1])
+		inner_ring = outer_ring

@@ -44,15 +44,15 @@ func load_description(path: String) -> bool:
 
 ## Returns the height of the ground in meters at world x and z, or NAN outside of the map.
 func height(x: float, z: float) -> float:
-	var in_posts := (Vector2(x, z) - rect.position) / spacing
-	if in_posts.x < 0.0 or in_posts.y < 0.0 or in_posts.x > posts.x - 1 or in_posts.y > posts.y - 1:
+	var post_position := (Vector2(x, z) - rect.position) / spacing
+	if post_position.x < 0.0 or post_position.y < 0.0 or post_position.x > posts.x - 1 or post_position.y > posts.y - 1:
 		return NAN
-	var i := mini(int(in_posts.x), posts.x - 2)
-	var j := mini(int(in_posts.y), posts.y - 2)
+	var i := mini(int(post_position.x), posts.x - 2)
+	var j := mini(int(post_position.y), posts.y - 2)
 	var first := j * posts.x + i
-	var north := lerpf(_heights[first], _heights[first + 1], in_posts.x - i)
-	var south := lerpf(_heights[first + posts.x], _heights[first + posts.x + 1], in_posts.x - i)
-	return lerpf(north, south, in_posts.y - j)
+	var north := lerpf(_heights[first], _heights[first + 1], post_position.x - i)
+	var south := lerpf(_heights[first + posts.x], _heights[first + posts.x + 1], post_position.x - i)
+	return lerpf(north, south, post_position.y - j)
 
 
 ## Returns the lowest and highest height in meters between the posts [param from] and [param to], extended to whole blocks.
@@ -78,25 +78,25 @@ func height_texture() -> ImageTexture:
 func relief_texture() -> ImageTexture:
 	var values := PackedFloat32Array()
 	values.resize(posts.x * posts.y * 3)
-	var reach := 5 # In posts.
+	var far_posts := 5 # In posts.
 	for j in posts.y:
 		var north := maxi(j - 1, 0)
 		var south := mini(j + 1, posts.y - 1)
-		var far_north := maxi(j - reach, 0) * posts.x
-		var far_south := mini(j + reach, posts.y - 1) * posts.x
+		var far_north := maxi(j - far_posts, 0) * posts.x
+		var far_south := mini(j + far_posts, posts.y - 1) * posts.x
 		for i in posts.x:
 			var west := maxi(i - 1, 0)
 			var east := mini(i + 1, posts.x - 1)
 			var row := j * posts.x
-			var at := 3 * (row + i)
-			values[at] = (_heights[row + east] - _heights[row + west]) / (spacing.x * (east - west))
+			var index := 3 * (row + i)
+			values[index] = (_heights[row + east] - _heights[row + west]) / (spacing.x * (east - west))
 			var fall := _heights[south * posts.x + i] - _heights[north * posts.x + i]
-			values[at + 1] = fall / (spacing.y * (south - north))
-			var far_west := maxi(i - reach, 0)
-			var far_east := mini(i + reach, posts.x - 1)
-			var around := _heights[far_north + i] + _heights[far_south + i]
-			around += _heights[row + far_west] + _heights[row + far_east]
-			values[at + 2] = _heights[row + i] - 0.25 * around
+			values[index + 1] = fall / (spacing.y * (south - north))
+			var far_west := maxi(i - far_posts, 0)
+			var far_east := mini(i + far_posts, posts.x - 1)
+			var far_sum := _heights[far_north + i] + _heights[far_south + i]
+			far_sum += _heights[row + far_west] + _heights[row + far_east]
+			values[index + 2] = _heights[row + i] - 0.25 * far_sum
 	var image := Image.create_from_data(posts.x, posts.y, false, Image.FORMAT_RGBF, values.to_byte_array())
 	image.convert(Image.FORMAT_RGBH)
 	return ImageTexture.create_from_image(image)
@@ -121,6 +121,6 @@ func _bound_blocks() -> void:
 			# A post on the border of a block belongs to the blocks on both sides.
 			for block_j in range(maxi(0, (j - 1) / BLOCK), mini(_blocks.y - 1, j / BLOCK) + 1):
 				for block_i in range(maxi(0, (i - 1) / BLOCK), mini(_blocks.x - 1, i / BLOCK) + 1):
-					var at := block_j * _blocks.x + block_i
-					_block_low[at] = minf(_block_low[at], value)
-					_block_high[at] = maxf(_block_high[at], value)
+					var index := block_j * _blocks.x + block_i
+					_block_low[index] = minf(_block_low[index], value)
+					_block_high[index] = maxf(_block_high[index], value)

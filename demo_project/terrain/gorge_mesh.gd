@@ -41,11 +41,11 @@ func build() -> ArrayMesh:
 	arrays[Mesh.ARRAY_NORMAL] = _normals
 	arrays[Mesh.ARRAY_COLOR] = _colors
 	arrays[Mesh.ARRAY_INDEX] = _triangles
-	var built := ArrayMesh.new()
-	built.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+	var result := ArrayMesh.new()
+	result.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
 	_distances.clear()
 	_indices.clear()
-	return built
+	return result
 
 
 func _add_rock() -> void:
@@ -61,11 +61,11 @@ func _add_rock() -> void:
 	for cell in cells:
 		_add_vertex(cell)
 	for cell: Vector3i in _indices:
-		var here: float = _distances[cell]
+		var distance: float = _distances[cell]
 		for axis in 3:
-			var along := Vector3i.ZERO
-			along[axis] = 1
-			if (here < 0.0) == (_distances[cell + along] < 0.0):
+			var step := Vector3i.ZERO
+			step[axis] = 1
+			if (distance < 0.0) == (_distances[cell + step] < 0.0):
 				continue
 			var u := Vector3i.ZERO
 			var v := Vector3i.ZERO
@@ -75,26 +75,26 @@ func _add_rock() -> void:
 				_add_quad(_indices[cell - u - v], _indices[cell - u], _indices[cell], _indices[cell - v])
 
 
-func _distance(at: Vector3i) -> float:
-	if not _distances.has(at):
-		_distances[at] = _shape.air(Vector3(at))
-	return _distances[at]
+func _distance(point: Vector3i) -> float:
+	if not _distances.has(point):
+		_distances[point] = _shape.air(Vector3(point))
+	return _distances[point]
 
 
 ## Adds a vertex for a cell that the surface crosses, at the mean of the points where the surface crosses the cell's edges.
 func _add_vertex(cell: Vector3i) -> void:
 	var values := PackedFloat32Array()
-	var solid := 0
+	var solid_corners := 0
 	for corner in CORNERS:
 		values.append(_distance(cell + corner))
-		solid += int(values[-1] < 0.0)
-	if solid == 0 or solid == 8:
+		solid_corners += int(values[-1] < 0.0)
+	if solid_corners == 0 or solid_corners == 8:
 		return
 	var sum := Vector3.ZERO
 	var count := 0
-	var out := Vector3.ZERO
+	var normal := Vector3.ZERO
 	for a in 8:
-		out += (Vector3(CORNERS[a]) - Vector3.ONE * 0.5) * values[a]
+		normal += (Vector3(CORNERS[a]) - Vector3.ONE * 0.5) * values[a]
 		for bit: int in [1, 2, 4]:
 			var b := a | bit
 			if b == a or (values[a] < 0.0) == (values[b] < 0.0):
@@ -102,11 +102,11 @@ func _add_vertex(cell: Vector3i) -> void:
 			sum += Vector3(CORNERS[a]).lerp(Vector3(CORNERS[b]), values[a] / (values[a] - values[b]))
 			count += 1
 	_indices[cell] = _vertices.size()
-	var at := Vector3(cell) + sum / count
-	out = out.normalized()
-	_vertices.append(at)
-	_normals.append(out)
-	_colors.append(Color(_shape.openness(at, out), 0.0, 0.0))
+	var position := Vector3(cell) + sum / count
+	normal = normal.normalized()
+	_vertices.append(position)
+	_normals.append(normal)
+	_colors.append(Color(_shape.openness(position, normal), 0.0, 0.0))
 
 
 ## Adds two triangles that are clockwise as seen from the air.
@@ -137,7 +137,7 @@ func _add_land() -> void:
 				var first := row * posts + column
 				_add_quad(first, first + posts, first + posts + 1, first + 1)
 	# At the border of the gorge's mesh, the land passes below the rock.
-	var covered := Rect2i(FROM.x, FROM.z, SIZE.x, SIZE.z).grow(1)
+	var gorge_rect := Rect2i(FROM.x, FROM.z, SIZE.x, SIZE.z).grow(1)
 	for vertex in _vertices.size():
-		if covered.has_point(Vector2i(Vector2(_vertices[vertex].x, _vertices[vertex].z))):
+		if gorge_rect.has_point(Vector2i(Vector2(_vertices[vertex].x, _vertices[vertex].z))):
 			_vertices[vertex].y -= 1.2

@@ -34,11 +34,11 @@ func _is_thread_safe() -> bool:
 
 
 ## Returns the height in meters at world x and z.
-func _height(at: Vector2) -> float:
-	var angle := at.angle()
+func _height(point: Vector2) -> float:
+	var angle := point.angle()
 	var bays := 0.17 * sin(2.0 * angle + 0.4) + 0.09 * sin(3.0 * angle + 2.2) + 0.04 * sin(8.0 * angle)
-	var rim := at - sinkhole
-	if at.length() > coast * (1.0 + bays) or rim.length() < sinkhole_radius * (1.0 + 0.12 * sin(3.0 * rim.angle())):
+	var rim := point - sinkhole
+	if point.length() > coast * (1.0 + bays) or rim.length() < sinkhole_radius * (1.0 + 0.12 * sin(3.0 * rim.angle())):
 		return NAN
-	var hill := 42.0 * exp(-at.distance_squared_to(Vector2(-45.0, -55.0)) / 4500.0)
-	return 15.0 + hill + 4.0 * sin(0.04 * at.x + sin(0.026 * at.y)) + 2.5 * cos(0.05 * at.y)
+	var hill := 42.0 * exp(-point.distance_squared_to(Vector2(-45.0, -55.0)) / 4500.0)
+	return 15.0 + hill + 4.0 * sin(0.04 * point.x + sin(0.026 * point.y)) + 2.5 * cos(0.05 * point.y)

@@ -56,19 +56,19 @@ def rough(x: np.ndarray, z: np.ndarray, size: float, seed: int) -> np.ndarray:
 
 def from_shore(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Returns the approximate distance from the lake's shore in meters, which is negative in the lake."""
-    across, along = (x + 45.0) / 82.0, (z + 25.0) / 48.0
-    angle = np.arctan2(along, across)
+    scaled_x, scaled_z = (x + 45.0) / 82.0, (z + 25.0) / 48.0
+    angle = np.arctan2(scaled_z, scaled_x)
     bays = 1.0 + 0.14 * np.sin(2.0 * angle + 0.8) + 0.09 * np.sin(3.0 * angle - 0.5) + 0.04 * np.sin(7.0 * angle)
-    return (np.hypot(across, along) / bays - 1.0) * 60.0
+    return (np.hypot(scaled_x, scaled_z) / bays - 1.0) * 60.0
 
 
 def from_path(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Returns the distance in meters from the center line of the path, which consists of straight segments."""
     nearest = np.full(x.shape, np.inf)
     for (ax, az), (bx, bz) in zip(PATH, PATH[1:], strict=False):
-        along = ((x - ax) * (bx - ax) + (z - az) * (bz - az)) / ((bx - ax) ** 2 + (bz - az) ** 2)
-        along = np.clip(along, 0.0, 1.0)
-        nearest = np.minimum(nearest, np.hypot(x - ax - along * (bx - ax), z - az - along * (bz - az)))
+        fraction = ((x - ax) * (bx - ax) + (z - az) * (bz - az)) / ((bx - ax) ** 2 + (bz - az) ** 2)
+        fraction = np.clip(fraction, 0.0, 1.0)
+        nearest = np.minimum(nearest, np.hypot(x - ax - fraction * (bx - ax), z - az - fraction * (bz - az)))
     return nearest
 
 
@@ -87,11 +87,11 @@ def heights(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     ground += 62.0 * smooth(-95.0, -360.0, z + 18.0 * rough(x, z, 120.0, 30)) * (1.0 - 0.45 * smooth(60.0, 150.0, x))
     ground += 46.0 * smooth(-150.0, -384.0, x + 20.0 * rough(x, z, 120.0, 40))
     ground += 34.0 * smooth(190.0, 384.0, z)
-    up = scarp(x, z)
+    uphill = scarp(x, z)
     # The slope is steep in the main view, and gentler and wooded to the north and south.
-    reach = 62.0 + 90.0 * smooth(70.0, 170.0, np.abs(z + 10.0 + 40.0 * noise(x, z, 60.0, 55)))
-    ground += 38.0 * smooth(0.0, 1.0, (up + 8.0) / (reach + 8.0))
-    ground += 14.0 * smooth(40.0, 200.0, up)
+    slope_length = 62.0 + 90.0 * smooth(70.0, 170.0, np.abs(z + 10.0 + 40.0 * noise(x, z, 60.0, 55)))
+    ground += 38.0 * smooth(0.0, 1.0, (uphill + 8.0) / (slope_length + 8.0))
+    ground += 14.0 * smooth(40.0, 200.0, uphill)
     return ground
 
 

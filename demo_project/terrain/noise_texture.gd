@@ -11,17 +11,17 @@ static var _texture: ImageTexture
 ## Returns the texture, which the first call generates.
 static func texture() -> ImageTexture:
 	if _texture == null:
-		var soft := _noise(1, 0.02, FastNoiseLite.FRACTAL_FBM)
+		var soft_patches := _noise(1, 0.02, FastNoiseLite.FRACTAL_FBM)
 		var grain := _noise(2, 0.09, FastNoiseLite.FRACTAL_FBM)
 		var billow := _noise(3, 0.016, FastNoiseLite.FRACTAL_RIDGED)
-		var other := _noise(4, 0.026, FastNoiseLite.FRACTAL_FBM)
+		var more_patches := _noise(4, 0.026, FastNoiseLite.FRACTAL_FBM)
 		var bytes := PackedByteArray()
 		bytes.resize(SIZE * SIZE * 4)
 		for i in SIZE * SIZE:
-			bytes[4 * i] = soft[i]
+			bytes[4 * i] = soft_patches[i]
 			bytes[4 * i + 1] = grain[i]
 			bytes[4 * i + 2] = billow[i]
-			bytes[4 * i + 3] = other[i]
+			bytes[4 * i + 3] = more_patches[i]
 		var image := Image.create_from_data(SIZE, SIZE, false, Image.FORMAT_RGBA8, bytes)
 		image.generate_mipmaps()
 		_texture = ImageTexture.create_from_image(image)

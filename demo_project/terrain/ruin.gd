@@ -12,12 +12,12 @@ const THICK := 2
 const ALONG_X: Array[Vector4] = [Vector4(5.5, 1.6, 4.0, 9.0), Vector4(11.5, 2.1, 0.0, 7.0)]
 const ALONG_Z: Array[Vector4] = [Vector4(7.5, 1.6, 4.0, 9.0)]
 
-var _broken := FastNoiseLite.new()
+var _damage := FastNoiseLite.new()
 
 
 func _init() -> void:
-	_broken.seed = 12
-	_broken.frequency = 0.13
+	_damage.seed = 12
+	_damage.frequency = 0.13
 
 
 func counts() -> Vector3i:
@@ -34,10 +34,10 @@ func is_solid(block: Vector3i) -> bool:
 	if along_x and along_z:
 		return true
 	for opening in (ALONG_X if along_x else ALONG_Z):
-		var aside := absf((block.x if along_x else block.z) + 0.5 - opening.x) / opening.y
+		var side_offset := absf((block.x if along_x else block.z) + 0.5 - opening.x) / opening.y
 		# The top of an opening is round.
-		var top := opening.w - 2.0 + 2.0 * sqrt(maxf(1.0 - aside * aside, 0.0))
-		if aside >= 1.0:
+		var top := opening.w - 2.0 + 2.0 * sqrt(maxf(1.0 - side_offset * side_offset, 0.0))
+		if side_offset >= 1.0:
 			continue
 		if block.y >= opening.z - 1 and block.y < top:
 			return false
@@ -56,4 +56,4 @@ func corner(block: Vector3i) -> Vector3:
 ## Returns the height of the wall in blocks. The northern corners are the highest.
 func _height(x: int, z: int) -> float:
 	var south := float(z) / SIZE.z
-	return 14.0 - 6.0 * south + 3.0 * absf(x * 2.0 / SIZE.x - 1.0) + 8.0 * _broken.get_noise_2d(x, z) + 1.2 * _random(Vector3i(x / 2, 0, z / 2), 3)
+	return 14.0 - 6.0 * south + 3.0 * absf(x * 2.0 / SIZE.x - 1.0) + 8.0 * _damage.get_noise_2d(x, z) + 1.2 * _random(Vector3i(x / 2, 0, z / 2), 3)

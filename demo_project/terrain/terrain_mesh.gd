@@ -60,18 +60,18 @@ const WALL_ROWS := 9
 		material = value
 		_request_build()
 
-var _requested := false
+var _is_build_requested := false
 var _path_changes := 0
 var _soil_texture: ImageTexture
 var _columns := 0
 var _vertices := PackedVector3Array()
 ## For each post (height sample), 1 if it has ground, otherwise 0.
-var _solid := PackedByteArray()
+var _has_ground := PackedByteArray()
 var _indices := PackedInt32Array()
 ## The vertex at the edge of the ground between two posts, by the indices of both.
 var _cuts := {}
 ## The next vertex along the edge of the ground, for each vertex on the edge. The ground is to the right, as seen from above.
-var _edge := {}
+var _next_on_edge := {}
 
 
 func _validate_property(property: Dictionary) -> void:
@@ -80,13 +80,13 @@ func _validate_property(property: Dictionary) -> void:
 
 
 func _enter_tree() -> void:
-	if _requested:
+	if _is_build_requested:
 		_build.call_deferred()
 
 
 func _request_build() -> void:
-	if not _requested:
-		_requested = true
+	if not _is_build_requested:
+		_is_build_requested = true
 		_build.call_deferred()
 
 
@@ -103,17 +103,17 @@ func _on_path_rested(changes: int) -> void:
 
 func _build() -> void:
 	# A path outside of the tree has no global transform. The editor instantiates scenes before it adds them to the tree.
-	if not _requested or not is_inside_tree():
+	if not _is_build_requested or not is_inside_tree():
 		return
-	_requested = false
+	_is_build_requested = false
 	if ground == null:
 		mesh = null
 		return
 	_vertices.clear()
-	_solid.clear()
+	_has_ground.clear()
 	_indices.clear()
 	_cuts.clear()
-	_edge.clear()
+	_next_on_edge.clear()
 	_columns = int(rect.size.x / spacing) + 1
 	var rows := int(rect.size.y / spacing) + 1
 	for row in rows:
@@ -121,18 +121,18 @@ func _build() -> void:
 			var point := rect.position + Vector2(column, row) * spacing
 			var height := ground.get_height(Vector3(point.x, 0.0, point.y))
 			_vertices.append(Vector3(point.x, height, point.y))
-			_solid.append(int(is_finite(height)))
+			_has_ground.append(int(is_finite(height)))
 	for row in rows - 1:
 		for column in _columns - 1:
 			_add_quad(row * _columns + column)
-	var built := ArrayMesh.new()
-	_add_ground(built)
-	if not _edge.is_empty():
-		_add_walls(built)
-	for surface in built.get_surface_count():
-		built.surface_set_material(surface, material)
+	var new_mesh := ArrayMesh.new()
+	_add_ground(new_mesh)
+	if not _next_on_edge.is_empty():
+		_add_walls(new_mesh)
+	for surface in new_mesh.get_surface_count():
+		new_mesh.surface_set_material(surface, material)
 	_fill_material()
-	mesh = built
+	mesh = new_mesh
 
 
 ## Sets the parameters of the material through the RenderingServer, because values that the editor sets on a material would be saved with the scene.
@@ -151,7 +151,7 @@ func _fill_material() -> void:
 ## Adds the part of a quad that has ground, as a polygon with up to six corners.
 func _add_quad(first: int) -> void:
 	var south := first + _columns
-	if _solid[first] + _solid[first + 1] + _solid[south] + _solid[south + 1] == 4:
+	if _has_ground[first] + _has_ground[first + 1] + _has_ground[south] + _has_ground[south + 1] == 4:
 		_indices.append(first)
 		_indices.append(first + 1)
 		_indices.append(south + 1)
@@ -161,27 +161,27 @@ func _add_quad(first: int) -> void:
 		return
 	var corners: Array[int] = [first, first + 1, south + 1, south]
 	var polygon: Array[int] = []
-	var left := -1
-	var entered := -1
+	var exit_cut := -1
+	var first_entry_cut := -1
 	for i in 4:
-		var here := corners[i]
-		var next := corners[(i + 1) % 4]
-		var solid := _solid[here] == 1
-		if solid:
-			polygon.append(here)
-		if solid == (_solid[next] == 1):
+		var post := corners[i]
+		var next_post := corners[(i + 1) % 4]
+		var is_solid := _has_ground[post] == 1
+		if is_solid:
+			polygon.append(post)
+		if is_solid == (_has_ground[next_post] == 1):
 			continue
-		var cut := _cut(here, next) if solid else _cut(next, here)
+		var cut := _cut(post, next_post) if is_solid else _cut(next_post, post)
 		polygon.append(cut)
-		if solid:
-			left = cut
-		elif left >= 0:
-			_edge[left] = cut
-			left = -1
+		if is_solid:
+			exit_cut = cut
+		elif exit_cut >= 0:
+			_next_on_edge[exit_cut] = cut
+			exit_cut = -1
 		else:
-			entered = cut
-	if left >= 0:
-		_edge[left] = entered
+			first_entry_cut = cut
+	if exit_cut >= 0:
+		_next_on_edge[exit_cut] = first_entry_cut
 	for i in range(2, polygon.size()):
 		_indices.append_array([polygon[0], polygon[i - 1], polygon[i]])
 
@@ -190,21 +190,21 @@ func _add_quad(first: int) -> void:
 func _cut(solid: int, hollow: int) -> int:
 	var key := Vector2i(solid, hollow)
 	if not _cuts.has(key):
-		var from := _vertices[solid]
-		var to := Vector3(_vertices[hollow].x, from.y, _vertices[hollow].z)
+		var start := _vertices[solid]
+		var end := Vector3(_vertices[hollow].x, start.y, _vertices[hollow].z)
 		for step in HALVINGS:
-			var middle := (from + to) * 0.5
+			var middle := (start + end) * 0.5
 			middle.y = ground.get_height(middle)
 			if is_finite(middle.y):
-				from = middle
+				start = middle
 			else:
-				to = middle
+				end = middle
 		_cuts[key] = _vertices.size()
-		_vertices.append(from)
+		_vertices.append(start)
 	return _cuts[key]
 
 
-func _add_ground(built: ArrayMesh) -> void:
+func _add_ground(target: ArrayMesh) -> void:
 	if _indices.is_empty():
 		return
 	var normals := PackedVector3Array()
@@ -213,8 +213,8 @@ func _add_ground(built: ArrayMesh) -> void:
 	for vertex in _vertices.size():
 		var point := _vertices[vertex]
 		normals.append(_normal(vertex))
-		var near := near_path.has_point(Vector2(point.x, point.z))
-		uvs.append(Vector2(_distance_to_path(point) if near else FAR, 0.0))
+		var is_near_path := near_path.has_point(Vector2(point.x, point.z))
+		uvs.append(Vector2(_distance_to_path(point) if is_near_path else FAR, 0.0))
 		# A post without ground is in no triangle, but it is included in the bounding box, which must be finite for culling.
 		if is_nan(point.y):
 			_vertices[vertex].y = wall_foot
@@ -224,17 +224,17 @@ func _add_ground(built: ArrayMesh) -> void:
 	arrays[Mesh.ARRAY_NORMAL] = normals
 	arrays[Mesh.ARRAY_TEX_UV] = uvs
 	arrays[Mesh.ARRAY_INDEX] = _indices
-	built.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+	target.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
 
 
 ## Returns the normal from the posts around a vertex, or from the ground itself at borders.
 func _normal(vertex: int) -> Vector3:
 	var column := vertex % _columns
-	if column > 0 and column < _columns - 1 and vertex >= _columns and vertex + _columns < _solid.size():
-		var around := _solid[vertex - 1] + _solid[vertex + 1] + _solid[vertex - _columns] + _solid[vertex + _columns]
+	if column > 0 and column < _columns - 1 and vertex >= _columns and vertex + _columns < _has_ground.size():
+		var neighbors_with_ground := _has_ground[vertex - 1] + _has_ground[vertex + 1] + _has_ground[vertex - _columns] + _has_ground[vertex + _columns]
 		var rise_x := _vertices[vertex + 1].y - _vertices[vertex - 1].y
 		var rise_z := _vertices[vertex + _columns].y - _vertices[vertex - _columns].y
-		if around == 4:
+		if neighbors_with_ground == 4:
 			return Vector3(-rise_x, 2.0 * spacing, -rise_z).normalized()
 	var normal := ground.get_normal(_vertices[vertex])
 	return normal if normal != Vector3.ZERO else Vector3.UP
@@ -258,14 +258,14 @@ func _distance_to_path(point: Vector3) -> float:
 	return minf(Vector2(nearest.x - local.x, nearest.z - local.z).length(), FAR)
 
 
-func _add_walls(built: ArrayMesh) -> void:
+func _add_walls(target: ArrayMesh) -> void:
 	var outward := {}
-	for from: int in _edge:
-		var to: int = _edge[from]
-		var along := _vertices[to] - _vertices[from]
-		var out := Vector3(along.z, 0.0, -along.x)
-		outward[from] = outward.get(from, Vector3.ZERO) + out
-		outward[to] = outward.get(to, Vector3.ZERO) + out
+	for from: int in _next_on_edge:
+		var to: int = _next_on_edge[from]
+		var edge := _vertices[to] - _vertices[from]
+		var normal := Vector3(edge.z, 0.0, -edge.x)
+		outward[from] = outward.get(from, Vector3.ZERO) + normal
+		outward[to] = outward.get(to, Vector3.ZERO) + normal
 	var noise := FastNoiseLite.new()
 	noise.seed = 3
 	noise.frequency = 0.09
@@ -279,7 +279,7 @@ func _add_walls(built: ArrayMesh) -> void:
 		firsts[vertex] = count
 		count += WALL_ROWS + 1
 		var top := _vertices[vertex]
-		var out: Vector3 = (outward[vertex] as Vector3).normalized()
+		var normal: Vector3 = (outward[vertex] as Vector3).normalized()
 		for row in WALL_ROWS + 1:
 			var depth := float(row) / WALL_ROWS
 			var point := Vector3(top.x, lerpf(top.y, wall_foot, depth), top.z)
@@ -287,12 +287,12 @@ func _add_walls(built: ArrayMesh) -> void:
 			var rough := noise.get_noise_3dv(point * Vector3(1.0, 0.3, 1.0)) + 0.6 * noise.get_noise_3dv(point * 2.7)
 			var lean := 2.0 * depth + 3.0 * depth ** 4 + 6.0 * minf(3.0 * depth, 1.0) * rough
 			surface.set_uv(Vector2(FAR, 1.0))
-			surface.add_vertex(point + out * lean)
-	for from: int in _edge:
+			surface.add_vertex(point + normal * lean)
+	for from: int in _next_on_edge:
 		for row in WALL_ROWS:
 			var a: int = firsts[from] + row
-			var b: int = firsts[_edge[from]] + row
+			var b: int = firsts[_next_on_edge[from]] + row
 			for index: int in [a, a + 1, b + 1, a, b + 1, b]:
 				surface.add_index(index)
 	surface.generate_normals()
-	surface.commit(built)
+	surface.commit(target)

@@ -43,7 +43,7 @@ var _relief: ImageTexture
 var _patch := ArrayMesh.new()
 var _quarter := ArrayMesh.new()
 var _instances: Array[RID] = []
-var _used := 0
+var _used_count := 0
 var _last_camera := Vector3.INF
 
 
@@ -80,15 +80,15 @@ func _process(_delta: float) -> void:
 	if camera == null or camera.global_position.distance_to(_last_camera) < STEP:
 		return
 	_last_camera = camera.global_position
-	_used = 0
-	_select(TOP_LEVEL, Vector2i.ZERO)
-	for i in range(_used, _instances.size()):
+	_used_count = 0
+	_draw_square(TOP_LEVEL, Vector2i.ZERO)
+	for i in range(_used_count, _instances.size()):
 		RenderingServer.instance_set_visible(_instances[i], false)
 
 
 ## Returns the number of triangles of the current patches, before culling.
 func triangle_count() -> int:
-	return _used * QUADS * QUADS * 2
+	return _used_count * QUADS * QUADS * 2
 
 
 func _set_cover(rid: RID) -> void:
@@ -110,7 +110,7 @@ func _set_path(rid: RID) -> void:
 	RenderingServer.material_set_param(rid, &"path_map", _path_map.texture.get_rid())
 	RenderingServer.material_set_param(rid, &"path_rect", Vector4(_path_map.rect.position.x, _path_map.rect.position.y,
 			_path_map.rect.size.x, _path_map.rect.size.y))
-	RenderingServer.material_set_param(rid, &"path_reach", PathMap.REACH)
+	RenderingServer.material_set_param(rid, &"path_reach", PathMap.MAX_DISTANCE)
 
 
 func _camera() -> Camera3D:
@@ -121,7 +121,7 @@ func _camera() -> Camera3D:
 
 ## Draws the square with an edge length of 2^level posts whose first post is [param post]. If the camera is near, draws
 ## the square's four quarters instead.
-func _select(level: int, post: Vector2i) -> void:
+func _draw_square(level: int, post: Vector2i) -> void:
 	if level == 0 or not _in_range(level - 1, post, 1 << level):
 		_draw(_patch, level, post, 1 << level)
 		return
@@ -131,21 +131,21 @@ func _select(level: int, post: Vector2i) -> void:
 		if corner.x >= elevation.posts.x - 1 or corner.y >= elevation.posts.y - 1:
 			continue
 		if _in_range(level - 1, corner, half):
-			_select(level - 1, corner)
+			_draw_square(level - 1, corner)
 		else:
 			_draw(_quarter, level, corner, half)
 
 
 func _in_range(level: int, post: Vector2i, size: int) -> bool:
-	var reach := FINEST_RANGE * (1 << level)
-	return _box(post, size).grow(reach).has_point(_last_camera) and _distance(_box(post, size), _last_camera) < reach
+	var range_end := FINEST_RANGE * (1 << level)
+	return _box(post, size).grow(range_end).has_point(_last_camera) and _distance(_box(post, size), _last_camera) < range_end
 
 
 func _box(post: Vector2i, size: int) -> AABB:
 	var heights := elevation.bounds(post, post + Vector2i(size - 1, size - 1))
-	var from := elevation.rect.position + Vector2(post) * elevation.spacing
+	var corner := elevation.rect.position + Vector2(post) * elevation.spacing
 	var extent := elevation.spacing * size
-	return AABB(Vector3(from.x, heights.x, from.y), Vector3(extent.x, heights.y - heights.x, extent.y))
+	return AABB(Vector3(corner.x, heights.x, corner.y), Vector3(extent.x, heights.y - heights.x, extent.y))
 
 
 static func _distance(box: AABB, point: Vector3) -> float:
@@ -153,13 +153,13 @@ static func _distance(box: AABB, point: Vector3) -> float:
 
 
 func _draw(mesh: ArrayMesh, level: int, post: Vector2i, size: int) -> void:
-	if _used == _instances.size():
-		var created := RenderingServer.instance_create()
-		RenderingServer.instance_set_scenario(created, get_world_3d().scenario)
-		RenderingServer.instance_geometry_set_cast_shadows_setting(created, RenderingServer.SHADOW_CASTING_SETTING_OFF)
-		_instances.append(created)
-	var instance := _instances[_used]
-	_used += 1
+	if _used_count == _instances.size():
+		var new_instance := RenderingServer.instance_create()
+		RenderingServer.instance_set_scenario(new_instance, get_world_3d().scenario)
+		RenderingServer.instance_geometry_set_cast_shadows_setting(new_instance, RenderingServer.SHADOW_CASTING_SETTING_OFF)
+		_instances.append(new_instance)
+	var instance := _instances[_used_count]
+	_used_count += 1
 	var box := _box(post, size)
 	# The grid is flat, so the y axis of the basis has no other use. The shader reads the level from it.
 	var basis := Basis.from_scale(Vector3(box.size.x, level + 1.0, box.size.z))
