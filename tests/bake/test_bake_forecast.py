@@ -15,7 +15,7 @@ from conftest import REPO
 sys.path.insert(0, str(REPO / "tools/bake"))
 from baking import forecast  # noqa: E402 (only on the path above)
 from baking.__main__ import main  # noqa: E402
-from baking.forecast import Estimate, Sample, chosen, from_samples  # noqa: E402
+from baking.forecast import Estimate, Sample, from_samples, tiles_to_sample  # noqa: E402
 
 
 def test_sizes_are_extrapolated_by_area():
@@ -43,10 +43,10 @@ def test_the_stated_range_contains_the_true_size():
 
 def test_samples_come_from_the_entire_world():
     tiles = [(i, j) for j in range(70) for i in range(96)]
-    found = chosen(tiles)
-    assert len(set(found)) == forecast.MOST_SAMPLES and found == chosen(tiles)
+    found = tiles_to_sample(tiles)
+    assert len(set(found)) == forecast.MOST_SAMPLES and found == tiles_to_sample(tiles)
     assert {tiles.index(at) * forecast.MOST_SAMPLES // len(tiles) for at in found} == set(range(forecast.MOST_SAMPLES))
-    assert chosen(tiles[:1]) == tiles[:1] and len(set(chosen(tiles[:2]))) == 2
+    assert tiles_to_sample(tiles[:1]) == tiles[:1] and len(set(tiles_to_sample(tiles[:2]))) == 2
 
 
 @pytest.mark.parametrize(

@@ -29,9 +29,9 @@ class OnlyEstimated(Exception):
 def main(arguments: list[str]) -> int:
     """Runs a bake. Returns 0 if it has all requested tiles, 1 if tiles failed or the bake stopped, 2 if it could not
     start, 130 if it was interrupted."""
-    chosen = _parser().parse_args(with_values(arguments, ("--rect", "--tiles")))
+    options = _parser().parse_args(with_values(arguments, ("--rect", "--tiles")))
     try:
-        request = _request(chosen)
+        request = _request(options)
         outcome = bake(request, functools.partial(print, flush=True))
     except BakeError as error:
         print(f"bake: {error}", file=sys.stderr)
@@ -52,12 +52,12 @@ def _confirm(estimate: Estimate, is_confirmed: bool, is_only_estimated: bool) ->
         raise OnlyEstimated
     if not estimate.concern or is_confirmed:
         return
-    smaller = "choose fewer --layers or a smaller --rect"
+    advice = "choose fewer --layers or a smaller --rect"
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise BakeError(f"This bake was not started, because {estimate.concern}. Add --yes to start it anyway, or {smaller}.")
+        raise BakeError(f"This bake was not started, because {estimate.concern}. Add --yes to start it anyway, or {advice}.")
     print(f"This bake is large: {estimate.concern}. Start it? [y/N] ", end="", flush=True)
     if sys.stdin.readline().strip().lower() not in ("y", "yes"):
-        raise BakeError(f"This bake was not started. For a smaller bake, {smaller}.")
+        raise BakeError(f"This bake was not started. For a smaller bake, {advice}.")
 
 
 def _print_summary(request: BakeRequest, outcome: Outcome) -> int:
@@ -69,8 +69,8 @@ def _print_summary(request: BakeRequest, outcome: Outcome) -> int:
         print(f"report and map: {request.out / 'report.md'}")
     if outcome.manifest["complete"]:
         print(f"digest: {outcome.manifest['digest']}")
-    for (i, j), why in sorted(outcome.failed.items())[:10]:
-        print(f"bake: tile {i},{j} failed. {why}", file=sys.stderr)
+    for (i, j), reason in sorted(outcome.failed.items())[:10]:
+        print(f"bake: tile {i},{j} failed. {reason}", file=sys.stderr)
     if len(outcome.failed) > 10:
         print(f"bake: and {len(outcome.failed) - 10} more, which the report lists", file=sys.stderr)
     if outcome.stopped:
@@ -111,30 +111,30 @@ def _tiles(text: str) -> list[tuple[int, int]]:
     return tiles
 
 
-def _request(chosen: argparse.Namespace) -> BakeRequest:
-    if chosen.workers < 1:
-        raise BakeError(f"--workers must be 1 or more, got {chosen.workers}. Leave it out for one per processor core.")
-    if not 0.0 <= chosen.wait <= MAX_WAIT:
-        raise BakeError(f"--wait must be between 0 and {MAX_WAIT:g} seconds, got {chosen.wait:g}. Choose a value in that range.")
+def _request(options: argparse.Namespace) -> BakeRequest:
+    if options.workers < 1:
+        raise BakeError(f"--workers must be 1 or more, got {options.workers}. Leave it out for one per processor core.")
+    if not 0.0 <= options.wait <= MAX_WAIT:
+        raise BakeError(f"--wait must be between 0 and {MAX_WAIT:g} seconds, got {options.wait:g}. Choose a value in that range.")
     return BakeRequest(
-        source=_source(chosen),
-        requested={"rect": chosen.rect, "tile_size": chosen.tile_size, "layers": chosen.layers},
-        out=absolute(chosen.out), tiles=chosen.tiles,
-        workers=chosen.workers, scheduler=chosen.scheduler, shuffle=chosen.shuffle, fresh=chosen.fresh,
-        confirm=functools.partial(_confirm, is_confirmed=chosen.yes, is_only_estimated=chosen.estimate),
-        always_estimate=chosen.estimate,
+        source=_source(options),
+        requested={"rect": options.rect, "tile_size": options.tile_size, "layers": options.layers},
+        out=absolute(options.out), tiles=options.tiles,
+        workers=options.workers, scheduler=options.scheduler, shuffle=options.shuffle, fresh=options.fresh,
+        confirm=functools.partial(_confirm, is_confirmed=options.yes, is_only_estimated=options.estimate),
+        always_estimate=options.estimate,
     )  # fmt: skip
 
 
-def _source(chosen: argparse.Namespace) -> Source | MadeTiles:
-    made = Path(chosen.scene).resolve()
-    if not (made / WORLD).exists():
-        project, scene = _project_and_scene(chosen.scene, chosen.project)
-        return Source((str(REPO / "tools/godot"),), str(project), scene, chosen.node, chosen.wait)
-    for option, given in {"--rect": chosen.rect, "--tile-size": chosen.tile_size, "--layers": chosen.layers, "--node": chosen.node}.items():
-        if given:
-            raise BakeError(f"{option} is {given}, but the tiles in {made} already have a fixed value. Leave out {option}, or create another folder with bake_world.gd.")
-    return made_tiles(made)
+def _source(options: argparse.Namespace) -> Source | MadeTiles:
+    folder = Path(options.scene).resolve()
+    if not (folder / WORLD).exists():
+        project, scene = _project_and_scene(options.scene, options.project)
+        return Source((str(REPO / "tools/godot"),), str(project), scene, options.node, options.wait)
+    for option, value in {"--rect": options.rect, "--tile-size": options.tile_size, "--layers": options.layers, "--node": options.node}.items():
+        if value:
+            raise BakeError(f"{option} is {value}, but the tiles in {folder} already have a fixed value. Leave out {option}, or create another folder with bake_world.gd.")
+    return made_tiles(folder)
 
 
 def _project_and_scene(scene: str, project: Path) -> tuple[Path, str]:

@@ -47,7 +47,7 @@ def client(workers: int, scheduler: str | None, say: Callable[[str], None]) -> I
         with dask.config.set(settings):
             if scheduler is not None:
                 with Client(scheduler, timeout="5s", set_as_default=False) as remote:
-                    remote.upload_file(_packed(Path(scratch)))
+                    remote.upload_file(_pack(Path(scratch)))
                     with watched(remote, scheduler, say):
                         yield remote
                 return
@@ -56,7 +56,7 @@ def client(workers: int, scheduler: str | None, say: Callable[[str], None]) -> I
             with (
                 _environment(PYTHONPATH=path),
                 _local_cluster() as cluster,
-                _kept(cluster, workers),
+                _constant_workers(cluster, workers),
                 Client(cluster, set_as_default=False) as local,
             ):  # fmt: skip
                 yield local
@@ -77,7 +77,7 @@ def _local_cluster() -> LocalCluster:
 
 
 @contextlib.contextmanager
-def _kept(cluster: LocalCluster, workers: int) -> Iterator[None]:
+def _constant_workers(cluster: LocalCluster, workers: int) -> Iterator[None]:
     """Starts workers and keeps their number constant, because Dask does not replace workers that are killed while they
     start."""
     def replace() -> None:
@@ -86,38 +86,38 @@ def _kept(cluster: LocalCluster, workers: int) -> Iterator[None]:
                 del cluster.workers[name]
         cluster.scale(workers)
 
-    with _repeated(lambda: cluster.loop.add_callback(replace)):
+    with _repeating(lambda: cluster.loop.add_callback(replace)):
         yield
 
 
 @contextlib.contextmanager
 def watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Iterator[None]:
     """Reports when the scheduler has no workers, and when it has workers again."""
-    there = True
+    has_workers = True
 
     def check() -> None:
-        nonlocal there
+        nonlocal has_workers
         with contextlib.suppress(OSError, TimeoutError):  # The loop that waits for tiles reports such errors.
             workers = len(client.nthreads())
-            if there and workers == 0:
+            if has_workers and workers == 0:
                 say(f"The scheduler at {scheduler} has no workers: the bake waits for workers to connect. Start workers, or interrupt the bake and run the same command later.")
-            elif not there and workers > 0:
+            elif not has_workers and workers > 0:
                 say(f"The scheduler at {scheduler} has workers: {workers}.")
-            there = workers > 0
+            has_workers = workers > 0
 
-    with _repeated(check):
+    with _repeating(check):
         yield
 
 
 @contextlib.contextmanager
-def _repeated(check: Callable[[], None]) -> Iterator[None]:
+def _repeating(check: Callable[[], None]) -> Iterator[None]:
     """Calls `check` in a separate thread, immediately and then every CHECK_SECONDS."""
-    ended = threading.Event()
+    has_ended = threading.Event()
 
     def watch() -> None:
         while True:
             check()
-            if ended.wait(CHECK_SECONDS):
+            if has_ended.wait(CHECK_SECONDS):
                 return
 
     watcher = threading.Thread(target=watch, daemon=True)
@@ -125,23 +125,23 @@ def _repeated(check: Callable[[], None]) -> Iterator[None]:
     try:
         yield
     finally:
-        ended.set()
+        has_ended.set()
         watcher.join()
 
 
-def _packed(folder: Path) -> str:
+def _pack(folder: Path) -> str:
     """Packs this package into a zip file for workers on other machines. Returns its path."""
     return shutil.make_archive(str(folder / PACKAGE.name), "zip", PACKAGE.parent, PACKAGE.name)
 
 
 @contextlib.contextmanager
 def _environment(**variables: str) -> Iterator[None]:
-    before = {name: os.environ.get(name) for name in variables}
+    old_values = {name: os.environ.get(name) for name in variables}
     os.environ.update(variables)
     try:
         yield
     finally:
-        for name, value in before.items():
+        for name, value in old_values.items():
             if value is None:
                 os.environ.pop(name, None)
             else:

@@ -29,20 +29,20 @@ def with_values(arguments: list[str], options: tuple[str, ...]) -> list[str]:
 def place_argument(text: str) -> Location:
     """Returns the location for an argument of the command line: a path, a file:// URL, or the URL of an object store."""
     try:
-        place = location(text)
+        result = location(text)
     except CannotLocate as error:
         raise argparse.ArgumentTypeError(str(error)) from None
     if text.startswith("memory://"):
         raise argparse.ArgumentTypeError(f"'{text}' is the memory of this process, which other processes cannot read. Use a folder or an object store")
-    return place
+    return result
 
 
 def folder_argument(text: str) -> Path:
     """Returns the folder for an argument of the command line: a path or a file:// URL."""
     try:
-        place = location(text)
+        result = location(text)
     except CannotLocate:
-        place = None
-    if place is None or not is_local(place):
+        result = None
+    if result is None or not is_local(result):
         raise argparse.ArgumentTypeError(f"'{text}' must be a folder on this machine or a file:///... URL")
-    return place
+    return result

@@ -74,13 +74,13 @@ def _bake(request: BakeRequest, client: Client, say: Callable[[str], None]) -> O
     outcome = Outcome(manifest, starting=[starting])
     picture = Map(plan.rect, plan.pixel, manifest["layers"])
     start = time.monotonic()
-    own = time.process_time()
+    start_cpu = time.process_time()
     try:
         _make_all(plan, client, request.workers, order, outcome, picture, Progress(len(order), say))
     finally:
         outcome.seconds = time.monotonic() - start
-        outcome.driver_seconds = time.process_time() - own
-        _keep_costs(outcome)
+        outcome.driver_seconds = time.process_time() - start_cpu
+        _store_costs(outcome)
         _finish(request.out, plan.grid, outcome)
     if not outcome.stopped:
         _close_engines(request, client)
@@ -97,23 +97,23 @@ def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> 
     for problem in described["problems"]:
         say(f"The scene warns: {problem}")
     rect, layers, grid = list(map(float, described["rect"])), described["layers"], TileGrid.of(described)
-    uneven = [layer["name"] or str(layer["index"]) for layer in layers if grid.tile_size % layer["tile_size"] != 0.0]
-    if uneven:
-        say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are therefore generated more than once: {', '.join(uneven)}. Choose a --tile-size that is a multiple of all their sizes.")
+    cut_layers = [layer["name"] or str(layer["index"]) for layer in layers if grid.tile_size % layer["tile_size"] != 0.0]
+    if cut_layers:
+        say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are therefore generated more than once: {', '.join(cut_layers)}. Choose a --tile-size that is a multiple of all their sizes.")
     plan = tile.Plan(
         source=request.source, requested=request.requested, out=str(request.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
         layers={layer["index"]: described["columns"][str(layer["index"])] for layer in layers},
         parts=described["parts"], pixel=max(rect[2], rect[3]) / MAP_PIXELS,
     )  # fmt: skip
-    looks = {each["index"]: each for each in described["models"]}
+    models = {entry["index"]: entry for entry in described["models"]}
     manifest = {
         "format": FORMAT, "version": VERSION, "thicket": described["thicket"],
         "scene": request.source.scene, "scene_digest": plan.scene_digest, "scene_parts": plan.parts, "seed": int(described["seed"]),
         "rect": rect, "tile_size": grid.tile_size, "grid": list(grid.grid), "world_offset": described["world_offset"],
-        "layers": [{**layer, "models": looks[layer["index"]]["models"], "material": looks[layer["index"]]["material"]} for layer in layers],
+        "layers": [{**layer, "models": models[layer["index"]]["models"], "material": models[layer["index"]]["material"]} for layer in layers],
         "complete": False, "digest": None, "costs": None, "tiles": {},
     }  # fmt: skip
-    _refuse_tiles_beyond(_tiles_of(request, grid), grid)
+    _check_tiles(_tiles_of(request, grid), grid)
     if not request.fresh:
         _resume(request, manifest, say)
     _confirm(request, client, plan, described, say)
@@ -131,29 +131,29 @@ def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) ->
     """Reuses the tiles of an earlier bake in the folder, complete or not. Raises BakeError if that bake is of another world
     or version. A manifest that cannot be read is ignored."""
     try:
-        before = read_manifest(request.out)
+        old_manifest = read_manifest(request.out)
     except BakeError as error:
         if (request.out / MANIFEST).exists():
             say(f"{error}. It is replaced; every tile in the folder is checked.")
         return  # Existing tiles can still be reused, because each file identifies its bake.
-    again = f"Bake into another folder, or start again in {request.out} with --fresh."
-    if before.get("version") != VERSION:
-        raise BakeError(f"{request.out} contains a bake of version {before.get('version')}, but this is version {VERSION}. {again}")
-    check_manifest(before, request.out / MANIFEST)
-    if before["scene"] != manifest["scene"]:
-        raise BakeError(f"{request.out} contains a bake of another scene, {before['scene']}, not {manifest['scene']}. {again}")
+    advice = f"Bake into another folder, or start again in {request.out} with --fresh."
+    if old_manifest.get("version") != VERSION:
+        raise BakeError(f"{request.out} contains a bake of version {old_manifest.get('version')}, but this is version {VERSION}. {advice}")
+    check_manifest(old_manifest, request.out / MANIFEST)
+    if old_manifest["scene"] != manifest["scene"]:
+        raise BakeError(f"{request.out} contains a bake of another scene, {old_manifest['scene']}, not {manifest['scene']}. {advice}")
     for key, name in {"rect": "the rectangle", "tile_size": "the tile size"}.items():
-        if before[key] != manifest[key]:
-            raise BakeError(f"{request.out} contains a bake in which {name} is {before[key]}, not {manifest[key]}. {again}")
-    if [layer["index"] for layer in before["layers"]] != [layer["index"] for layer in manifest["layers"]]:
-        raise BakeError(f"{request.out} contains a bake of different layers: {', '.join(str(layer['index']) for layer in before['layers'])}. {again}")
-    if before["scene_digest"] != manifest["scene_digest"]:
-        parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
-        raise BakeError(f"The scene {manifest['scene']} has changed since this bake was started: {parts}. {again}")
+        if old_manifest[key] != manifest[key]:
+            raise BakeError(f"{request.out} contains a bake in which {name} is {old_manifest[key]}, not {manifest[key]}. {advice}")
+    if [layer["index"] for layer in old_manifest["layers"]] != [layer["index"] for layer in manifest["layers"]]:
+        raise BakeError(f"{request.out} contains a bake of different layers: {', '.join(str(layer['index']) for layer in old_manifest['layers'])}. {advice}")
+    if old_manifest["scene_digest"] != manifest["scene_digest"]:
+        parts = tile.changed_parts(old_manifest.get("scene_parts", {}), manifest["scene_parts"])
+        raise BakeError(f"The scene {manifest['scene']} has changed since this bake was started: {parts}. {advice}")
     # Damaged files are detected when their tiles are needed.
-    there = {f"tiles/{name}" for name in files.names_of_tiles(request.out)}
-    manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if entry["file"] in there}
-    manifest["costs"] = before.get("costs")
+    existing_files = {f"tiles/{name}" for name in files.names_of_tiles(request.out)}
+    manifest["tiles"] = {name: entry for name, entry in old_manifest["tiles"].items() if entry["file"] in existing_files}
+    manifest["costs"] = old_manifest.get("costs")
 
 
 def _tiles_of(request: BakeRequest, grid: TileGrid) -> list[tuple[int, int]]:
@@ -166,14 +166,14 @@ def _confirm(request: BakeRequest, client: Client, plan: tile.Plan, described: d
         return
     missing = forecast.missing_tiles(request.out, _tiles_of(request, plan.grid), request.fresh)
     workers = request.workers if request.scheduler is None else None
-    free = forecast.free_space(request.out, request.fresh)
-    expected = forecast.estimate(plan, client, missing, described.get("density"), described["starting"], free, workers, say, request.always_estimate)
-    if expected is None:
+    free_bytes = forecast.free_space(request.out, request.fresh)
+    estimate = forecast.estimate(plan, client, missing, described.get("density"), described["starting"], free_bytes, workers, say, request.always_estimate)
+    if estimate is None:
         if request.always_estimate:
             raise BakeError("The size cannot be estimated, because none of the sampled tiles could be generated. Bake one of them with --tiles to see the reason.")
         return
     try:
-        request.confirm(expected)
+        request.confirm(estimate)
     except BaseException:
         _close_engines(request, client)
         raise
@@ -185,7 +185,7 @@ def _close_engines(request: BakeRequest, client: Client) -> None:
         client.run(tile.close_engines)
 
 
-def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], grid: TileGrid) -> None:
+def _check_tiles(tiles: Iterable[tuple[int, int]], grid: TileGrid) -> None:
     for tile in tiles:
         if tile not in grid:
             first_x, first_z, columns, rows = grid.grid
@@ -197,7 +197,7 @@ def _make_all(
 ) -> None:
     """Distributes the tiles and collects the results. About three tiles per worker are in progress at any time; workers
     that join later are included. Cancels all tiles once a worker reports that no tile can be generated."""
-    waiting = iter(order)
+    remaining_tiles = iter(order)
     futures = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
     tile_of_key: dict[str, tuple[int, int]] = {}
 
@@ -206,30 +206,30 @@ def _make_all(
 
     def hand_out(count: int) -> None:
         while len(tile_of_key) < count:
-            at = next(waiting, None)
-            if at is None:
+            tile_index = next(remaining_tiles, None)
+            if tile_index is None:
                 return
-            future = client.submit(tile.make, plan, at, outcome.manifest["tiles"].get(name_of(at), {}), pure=False, retries=0)
-            tile_of_key[future.key] = at
+            future = client.submit(tile.make, plan, tile_index, outcome.manifest["tiles"].get(name_of(tile_index), {}), pure=False, retries=0)
+            tile_of_key[future.key] = tile_index
             futures.add(future)
 
-    handed_out = limit()
-    hand_out(handed_out)
+    in_progress = limit()
+    hand_out(in_progress)
     next_manifest = time.monotonic() + 2.0
     for future, result in futures:
-        at = tile_of_key.pop(future.key)
-        _take(at, result if future.status == "finished" else {"failed": _worker_problem(result)}, outcome, picture)
+        tile_index = tile_of_key.pop(future.key)
+        _record_result(tile_index, result if future.status == "finished" else {"failed": _worker_problem(result)}, outcome, picture)
         future.release()
         if outcome.stopped:
-            client.cancel([each for each in futures.futures])
+            client.cancel([pending for pending in futures.futures])
             return
         progress.print_if_due(outcome)
         if time.monotonic() >= next_manifest:
             start = time.monotonic()
             files.write_manifest(location(plan.out), outcome.manifest)
             next_manifest = time.monotonic() + max(2.0, (time.monotonic() - start) / MANIFEST_SHARE)
-            handed_out = limit()  # More workers may have joined.
-        hand_out(handed_out)
+            in_progress = limit()  # More workers may have joined.
+        hand_out(in_progress)
     progress.end(outcome)
 
 
@@ -238,16 +238,16 @@ def _worker_problem(result: object) -> str:
     return f"Its workers were killed or failed: {error}. Check their memory, then run the same command: it generates only the missing tiles."
 
 
-def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> None:
-    name = name_of(at)
+def _record_result(tile_index: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> None:
+    name = name_of(tile_index)
     if "stop" in result or "failed" in result:
         outcome.manifest["tiles"].pop(name, None)
         outcome.stopped = result.get("stop", "")
         if "failed" in result:
-            outcome.failed[at] = result["failed"]
+            outcome.failed[tile_index] = result["failed"]
         return
-    known = outcome.manifest["tiles"].get(name, {})
-    costs = {cost: round(result[cost], 4) if result["made"] else known.get(cost) for cost in ("seconds", "core_seconds")}
+    old_entry = outcome.manifest["tiles"].get(name, {})
+    costs = {cost: round(result[cost], 4) if result["made"] else old_entry.get(cost) for cost in ("seconds", "core_seconds")}
     outcome.manifest["tiles"][name] = {**result["entry"], **costs}
     outcome.kept += not result["made"]
     outcome.made += result["made"]
@@ -261,7 +261,7 @@ def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> 
     picture.add(result["pixels"])
 
 
-def _keep_costs(outcome: Outcome) -> None:
+def _store_costs(outcome: Outcome) -> None:
     """Stores the costs that do not belong to single tiles in the manifest, if the run has generated enough tiles (see
     schedule.py)."""
     if outcome.made >= 10:
@@ -283,7 +283,7 @@ def _finish(out: Location, grid: TileGrid, outcome: Outcome) -> None:
     """Completes the manifest. If the manifest cannot be written, only records the reason, because the next run finds
     the tiles on disk."""
     manifest = outcome.manifest
-    manifest["complete"] = set(manifest["tiles"]) == {name_of(at) for at in grid.tiles()}
+    manifest["complete"] = set(manifest["tiles"]) == {name_of(tile_index) for tile_index in grid.tiles()}
     manifest["digest"] = world_digest(manifest["tiles"]) if manifest["complete"] else None
     try:
         files.write_manifest(out, manifest)

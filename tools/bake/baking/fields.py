@@ -73,10 +73,10 @@ def text(pattern: str = "", allowed: str = "", max_length: int = MAX_CHARACTERS)
     """Returns a check that accepts a string of at most `max_length` characters. The whole string must match the pattern. By
     default, it must not contain a zero character or half of a surrogate pair."""
     allowed = allowed or f"a string of at most {max_length} characters, none of them a zero or half of a surrogate pair"
-    form = re.compile(pattern or r"[^\0\ud800-\udfff]*")
+    expression = re.compile(pattern or r"[^\0\ud800-\udfff]*")
 
     def check(value: object) -> None:
-        if type(value) is not str or len(value) > max_length or not form.fullmatch(value):
+        if type(value) is not str or len(value) > max_length or not expression.fullmatch(value):
             raise InvalidValue(value, allowed)
 
     return check
@@ -109,11 +109,11 @@ def items(check: Check, min_count: int = 0, max_count: int = 1 << 20) -> Check:
     def check_items(value: object) -> None:
         if type(value) is not list or not min_count <= len(value) <= max_count:
             raise InvalidValue(value, allowed)
-        for number, item in enumerate(value):
+        for index, item in enumerate(value):
             try:
                 check(item)
             except InvalidValue as invalid:
-                raise invalid.within(f"[{number}]") from None
+                raise invalid.within(f"[{index}]") from None
 
     return check_items
 
@@ -159,8 +159,8 @@ def mapping(key: Check, check: Check, max_count: int) -> Check:
 def without_repeats(pairs: list[tuple[str, object]]) -> dict:
     """Returns the object with these fields, or raises ValueError if a field occurs twice. For `object_pairs_hook` of
     `json.loads`."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    fields = dict(pairs)
+    if len(fields) < len(pairs):
         names = [name for name, _ in pairs]
         raise ValueError(f"the field {json.dumps(next(name for name in names if names.count(name) > 1))[:_MAX_PRINTED]} occurs twice")
-    return found
+    return fields

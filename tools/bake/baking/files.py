@@ -67,25 +67,25 @@ def packed_tile(columns: rows.Columns, marks: dict[str, str]) -> pa.Buffer:
     return sink.getvalue()
 
 
-def read_tile(path: Location, marks: dict[str, str], known: dict) -> tuple[rows.Columns, dict[str, str], str] | None:
+def read_tile(path: Location, marks: dict[str, str], entry: dict) -> tuple[rows.Columns, dict[str, str], str] | None:
     """Returns the rows, metadata and SHA-256 of a valid file, or None for any other file. The metadata must include
-    `marks`, and the rows must have the digest in the metadata. `known` is the tile's entry in a manifest, which may be
+    `marks`, and the rows must have the digest in the metadata. `entry` is the tile's entry in a manifest, which may be
     empty. If it has a `digest` or `sha256`, the file must match."""
     try:
         content = path.read_bytes()
         sha256 = hashlib.sha256(content).hexdigest()
-        if known.get("sha256", sha256) != sha256:
+        if entry.get("sha256", sha256) != sha256:
             return None
         with pq.ParquetFile(pa.BufferReader(content), page_checksum_verification=True) as file:
             table = file.read()
-        found = {key.decode(): value.decode() for key, value in (table.schema.metadata or {}).items()}
-        if any(found.get(name) != value for name, value in marks.items()):
+        metadata = {key.decode(): value.decode() for key, value in (table.schema.metadata or {}).items()}
+        if any(metadata.get(name) != value for name, value in marks.items()):
             return None
         columns = rows.to_columns(table)
     except (OSError, ValueError, pa.ArrowException):  # UnicodeDecodeError and BadRows are ValueErrors.
         return None
     digest = rows.digest(columns)
-    return (columns, found, sha256) if digest == found.get("thicket.digest") == known.get("digest", digest) else None
+    return (columns, metadata, sha256) if digest == metadata.get("thicket.digest") == entry.get("digest", digest) else None
 
 
 def write_manifest(out: Location, manifest: dict) -> None:

@@ -62,13 +62,13 @@ class Estimate:
     def __str__(self) -> str:
         if not self.tiles:
             return "no tiles are missing"
-        about = "about" if self.samples else "at most"
+        qualifier = "about" if self.samples else "at most"
         low, high = max(1.0 - self.error, 0.0) * self.bytes, (1.0 + self.error) * self.bytes
-        between = f" ({amount(low)}B to {amount(high)}B)" if self.error > 0.05 else ""
-        took = f", {duration(self.seconds)}" if self.seconds is not None else ""
+        size_range = f" ({amount(low)}B to {amount(high)}B)" if self.error > 0.05 else ""
+        time_text = f", {duration(self.seconds)}" if self.seconds is not None else ""
         source = f"estimated from {self.samples} of them" if self.samples else "from the density of the layers"
-        free = f"; {amount(self.free)}B are free" if self.free < math.inf else ""
-        return f"{self.tiles:,} tiles: {about} {amount(self.rows)} instances, {amount(self.bytes)}B{between}{took} ({source}){free}"
+        free_text = f"; {amount(self.free)}B are free" if self.free < math.inf else ""
+        return f"{self.tiles:,} tiles: {qualifier} {amount(self.rows)} instances, {amount(self.bytes)}B{size_range}{time_text} ({source}){free_text}"
 
     @property
     def concern(self) -> str:
@@ -84,8 +84,8 @@ class Estimate:
 
 def missing_tiles(out: Location, tiles: Sequence[tuple[int, int]], fresh: bool) -> list[tuple[int, int]]:
     """Returns the tiles that have no file yet, or all of them if existing files will be removed."""
-    there = set() if fresh else files.names_of_tiles(out)
-    return [at for at in tiles if files.tile_path(out, at).name not in there]
+    existing_files = set() if fresh else files.names_of_tiles(out)
+    return [tile_index for tile_index in tiles if files.tile_path(out, tile_index).name not in existing_files]
 
 
 def estimate(
@@ -100,7 +100,7 @@ def estimate(
     cluster."""
     if not tiles:
         return Estimate(0, 0, 0.0, 0.0, 0.0, 0.0, free) if always else None
-    areas = {at: _area(plan, at) for at in tiles}
+    areas = {tile_index: _area(plan, tile_index) for tile_index in tiles}
     limit = math.inf if density is None else density * sum(areas.values())
     if not always and limit * ROW_BYTES <= min(SMALL_BYTES, SMALL_PART * free):
         return None
@@ -130,31 +130,31 @@ def _error(samples: Sequence[Sample], tiles: int) -> float:
     return 2.0 * math.sqrt(max(1.0 - count / tiles, 0.0) * squares * count / (count - 1)) / total
 
 
-def _area(plan: tile.Plan, at: tuple[int, int]) -> float:
-    low_x, low_z, high_x, high_z = plan.grid.area_of(at)
+def _area(plan: tile.Plan, tile_index: tuple[int, int]) -> float:
+    low_x, low_z, high_x, high_z = plan.grid.area_of(tile_index)
     return (high_x - low_x) * (high_z - low_z)
 
 
-def chosen(tiles: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+def tiles_to_sample(tiles: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """Returns the tiles to sample: a random tile from each of several equally long parts of the list. The same list always
     has the same sample."""
     count = min(MOST_SAMPLES, max(2, len(tiles) // TILES_A_SAMPLE), len(tiles))
-    chance = random.Random(1)
-    return [tiles[chance.randrange(part * len(tiles) // count, (part + 1) * len(tiles) // count)] for part in range(count)]
+    rng = random.Random(1)
+    return [tiles[rng.randrange(slice_index * len(tiles) // count, (slice_index + 1) * len(tiles) // count)] for slice_index in range(count)]
 
 
 def _sampled(plan: tile.Plan, client: Client, tiles: Sequence[tuple[int, int]], areas: dict[tuple[int, int], float], say: Callable[[str], None]) -> list[Sample]:
     """Bakes samples of the tiles. Omits tiles that fail or take too long."""
-    sample = chosen(tiles)
+    sample = tiles_to_sample(tiles)
     say(f"Baking {len(sample)} of {len(tiles):,} tiles to estimate the size of the bake. They are not stored.")
-    futures = {client.submit(tile.measure, plan, at, pure=False, retries=0): at for at in sample}
+    futures = {client.submit(tile.measure, plan, tile_index, pure=False, retries=0): tile_index for tile_index in sample}
     try:
         with client.as_current():
             wait(list(futures), timeout=SAMPLE_SECONDS)
     except TimeoutError:
         client.cancel([future for future in futures if not future.done()])
-    measured = {at: future.result() for future, at in futures.items() if future.status == "finished"}
-    return [Sample(areas[at], *values) for at, values in measured.items() if values is not None]
+    results = {tile_index: future.result() for future, tile_index in futures.items() if future.status == "finished"}
+    return [Sample(areas[tile_index], *values) for tile_index, values in results.items() if values is not None]
 
 
 def free_space(out: Location, fresh: bool) -> float:

@@ -44,10 +44,10 @@ def inside(area: Bounds, bounds: Bounds, x: np.ndarray, z: np.ndarray) -> np.nda
     instances in one of the game's tiles, whose edges are `bounds`. Rounding, or an offset along the normal, can move an
     instance out of its tile. Such an instance belongs to the area that contains the nearest position inside the tile.
     If areas cover the plane without overlap, each instance therefore belongs to exactly one area."""
-    within = True
-    for low, high, first, end, along in ((area[0], area[2], bounds[0], bounds[2], x), (area[1], area[3], bounds[1], bounds[3], z)):
+    mask = True
+    for low, high, first, end, coordinates in ((area[0], area[2], bounds[0], bounds[2], x), (area[1], area[3], bounds[1], bounds[3], z)):
         if low <= first and end <= high:
             continue
-        place = np.clip(along, first, np.nextafter(end, -np.inf))
-        within = within & (place >= low) & (place < high)
-    return None if within is True else within
+        clamped = np.clip(coordinates, first, np.nextafter(end, -np.inf))
+        mask = mask & (clamped >= low) & (clamped < high)
+    return None if mask is True else mask

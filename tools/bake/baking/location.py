@@ -42,14 +42,14 @@ def location(text: str) -> Location:
     return UPath(text)
 
 
-def is_local(place: Location) -> bool:
+def is_local(path: Location) -> bool:
     """Returns true for a folder or file on this machine."""
-    return isinstance(place, Path)
+    return isinstance(path, Path)
 
 
-def absolute(place: Location) -> Location:
+def absolute(path: Location) -> Location:
     """Returns an absolute location without symbolic links."""
-    return place.resolve() if is_local(place) else place
+    return path.resolve() if is_local(path) else path
 
 
 def inside(folder: Location, name: str) -> Location | None:
@@ -57,5 +57,5 @@ def inside(folder: Location, name: str) -> Location | None:
     if is_local(folder):
         file = (folder / name).resolve()
         return file if file.is_relative_to(folder) else None
-    parts = PurePosixPath(name)
-    return None if parts.is_absolute() or ".." in parts.parts or "://" in name else folder / name
+    pure_path = PurePosixPath(name)
+    return None if pure_path.is_absolute() or ".." in pure_path.parts or "://" in name else folder / name

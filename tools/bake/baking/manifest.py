@@ -125,14 +125,14 @@ def _check_consistency(content: dict) -> None:
     """Checks conditions that involve several values."""
     check_rect(content["rect"])
     indices = [layer["index"] for layer in content["layers"]]
-    for number, layer in enumerate(content["layers"]):
-        if indices.index(layer["index"]) != number:
-            raise fields.InvalidValue(layer["index"], "a unique number for each layer").within("index").within(f"[{number}]").within("layers")
+    for position, layer in enumerate(content["layers"]):
+        if indices.index(layer["index"]) != position:
+            raise fields.InvalidValue(layer["index"], "a unique number for each layer").within("index").within(f"[{position}]").within("layers")
         for model, entry in enumerate(layer["models"]):
             distances = [level.get("distance", 0.0) for level in entry.get("lods") or []]
             if distances and (distances[0] != 0 or sorted(distances) != distances):
-                name = f"layers[{number}].models[{model}].lods"
-                raise fields.InvalidValue(next((begin for begin in distances if begin), 0), "a list of levels sorted by distance, starting at 0 m").within(name)
+                name = f"layers[{position}].models[{model}].lods"
+                raise fields.InvalidValue(next((distance for distance in distances if distance), 0), "a list of levels sorted by distance, starting at 0 m").within(name)
     for name, tile in content["tiles"].items():
         if max(map(abs, tile_of_name(name))) >= 2**31:
             raise fields.InvalidValue(name, "two whole numbers I,J below 2147483648 as the key").within(f"[{json.dumps(name)}]").within("tiles")

@@ -60,13 +60,13 @@ class Progress:
 
     def line(self, outcome: Outcome) -> str:
         """Returns a line such as: 12 of 400 tiles, 3.1 per second, 1.2 M instances per second, 2 min left"""
-        passed = max(time.monotonic() - self.start, 1e-3)
-        done = outcome.made + outcome.kept + len(outcome.failed)
-        left = passed / max(done, 1) * (self.tiles - done)
-        failed = f", {len(outcome.failed)} failed" if outcome.failed else ""
+        elapsed = max(time.monotonic() - self.start, 1e-3)
+        finished = outcome.made + outcome.kept + len(outcome.failed)
+        remaining = elapsed / max(finished, 1) * (self.tiles - finished)
+        failure_text = f", {len(outcome.failed)} failed" if outcome.failed else ""
         return (
-            f"{done} of {self.tiles} tiles{failed}, {done / passed:.1f} per second, "
-            f"{amount(outcome.made_rows / passed)} instances per second, {duration(left)} left"
+            f"{finished} of {self.tiles} tiles{failure_text}, {finished / elapsed:.1f} per second, "
+            f"{amount(outcome.made_rows / elapsed)} instances per second, {duration(remaining)} left"
         )
 
     def print_if_due(self, outcome: Outcome) -> None:
@@ -100,10 +100,10 @@ class Map:
 
     def add(self, pixels: list[tuple[np.ndarray, np.ndarray]]) -> None:
         """Adds a tile's instances to the counts."""
-        for counts, (places, number) in zip(self.counts, pixels, strict=True):
-            row = np.minimum(places >> 16, self.size[0] - 1)
-            column = np.minimum(places & 0xFFFF, self.size[1] - 1)
-            np.add.at(counts, (row, column), number.astype(np.uint32))
+        for counts, (pixel_indices, instance_counts) in zip(self.counts, pixels, strict=True):
+            row = np.minimum(pixel_indices >> 16, self.size[0] - 1)
+            column = np.minimum(pixel_indices & 0xFFFF, self.size[1] - 1)
+            np.add.at(counts, (row, column), instance_counts.astype(np.uint32))
 
     def _largest_first(self) -> list[int]:
         return sorted(range(len(self.layers)), key=lambda index: -self.layers[index]["radius"])
@@ -114,8 +114,8 @@ class Map:
         order = self._largest_first()
         lightness = np.linspace(0.28, 0.72, max(len(order), 2))
         colors = [(0.0, 0.0, 0.0)] * len(order)
-        for place, index in enumerate(order):
-            colors[index] = colorsys.hls_to_rgb((0.34 + 0.381966 * place) % 1.0, float(lightness[place]), 0.55)
+        for rank, index in enumerate(order):
+            colors[index] = colorsys.hls_to_rgb((0.34 + 0.381966 * rank) % 1.0, float(lightness[rank]), 0.55)
         return colors
 
     def picture(self) -> Image.Image:
@@ -124,26 +124,26 @@ class Map:
         image = np.empty((*self.size, 3), np.float32)
         image[:] = GROUND
         for index in reversed(self._largest_first()):
-            share = self._cover(self.counts[index], self.layers[index]["radius"] / self.pixel)[..., None]
-            image = image * (1.0 - share) + np.float32(self.colors()[index]) * share
+            coverage = self._cover(self.counts[index], self.layers[index]["radius"] / self.pixel)[..., None]
+            image = image * (1.0 - coverage) + np.float32(self.colors()[index]) * coverage
         return Image.fromarray(np.rint(image * 255.0).astype(np.uint8))
 
     @staticmethod
     def _cover(counts: np.ndarray, width: float) -> np.ndarray:
         """Returns the covered fraction of each pixel, 0 to 1. `width` is the width of an instance in pixels."""
         cover = np.minimum(counts * np.float32(0.25 * np.pi * width * width), 1.0).astype(np.float32)
-        reach = int(min(width, 25.0) / 2.0)
-        if reach < 1:
+        radius = int(min(width, 25.0) / 2.0)
+        if radius < 1:
             return cover
         discs = np.zeros_like(counts, dtype=bool)
-        standing = counts > 0
-        for down in range(-reach, reach + 1):
-            for right in range(-reach, reach + 1):
-                if down * down + right * right > reach * reach + 1:
+        has_instances = counts > 0
+        for row_offset in range(-radius, radius + 1):
+            for column_offset in range(-radius, radius + 1):
+                if row_offset * row_offset + column_offset * column_offset > radius * radius + 1:
                     continue
-                rows = slice(max(down, 0), counts.shape[0] + min(down, 0)), slice(max(-down, 0), counts.shape[0] + min(-down, 0))
-                columns = slice(max(right, 0), counts.shape[1] + min(right, 0)), slice(max(-right, 0), counts.shape[1] + min(-right, 0))
-                discs[rows[0], columns[0]] |= standing[rows[1], columns[1]]
+                rows = slice(max(row_offset, 0), counts.shape[0] + min(row_offset, 0)), slice(max(-row_offset, 0), counts.shape[0] + min(-row_offset, 0))
+                columns = slice(max(column_offset, 0), counts.shape[1] + min(column_offset, 0)), slice(max(-column_offset, 0), counts.shape[1] + min(-column_offset, 0))
+                discs[rows[0], columns[0]] |= has_instances[rows[1], columns[1]]
         return discs.astype(np.float32)
 
 
@@ -183,7 +183,7 @@ def report(workers: int, outcome: Outcome, picture: Map) -> str:
         "| --- | --- | ---: |",
     ]
     for layer, color, count in zip(manifest["layers"], picture.colors(), by_layer, strict=True):
-        code = "#" + "".join(f"{round(255 * part):02x}" for part in color)
+        code = "#" + "".join(f"{round(255 * component):02x}" for component in color)
         lines.append(f"| {layer['index']} {layer['name']} | {code} | {int(count):,} |")
     lines += [
         "",
@@ -205,5 +205,5 @@ def report(workers: int, outcome: Outcome, picture: Map) -> str:
         lines += ["", f"{sheared} hand-placed instances have a shear, which the files cannot store."]
     if outcome.failed:
         lines += ["", "## Tiles that failed", ""]
-        lines += [f"- {i},{j}: {why}" for (i, j), why in sorted(outcome.failed.items())]
+        lines += [f"- {i},{j}: {reason}" for (i, j), reason in sorted(outcome.failed.items())]
     return "\n".join(lines) + "\n"

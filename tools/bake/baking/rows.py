@@ -26,14 +26,14 @@ def parse(data: bytes | bytearray, layer: int, dtypes: dict[str, str]) -> tuple[
     if len(data) < _HEADER_BYTES:
         raise BadRows(f"{len(data)} bytes are too few for rows")
     rows, _, sheared, _ = (int(number) for number in np.frombuffer(data, "<u4", 4))
-    expected = _HEADER_BYTES + rows * sum(np.dtype(kind).itemsize for kind in dtypes.values())
+    expected = _HEADER_BYTES + rows * sum(np.dtype(dtype).itemsize for dtype in dtypes.values())
     if len(data) != expected:
         raise BadRows(f"{rows} rows must have {expected} bytes, got {len(data)}")
     columns: Columns = {}
-    at = _HEADER_BYTES
-    for name, kind in dtypes.items():
-        columns[name] = np.frombuffer(data, kind, rows, at)
-        at += columns[name].nbytes
+    offset = _HEADER_BYTES
+    for name, dtype in dtypes.items():
+        columns[name] = np.frombuffer(data, dtype, rows, offset)
+        offset += columns[name].nbytes
     columns["layer"] = np.full(rows, layer, np.uint16)
     _add_default_columns(columns, rows)
     return columns, sheared
@@ -57,9 +57,9 @@ def joined(parts: list[Columns]) -> Columns:
     if not parts:
         empty = to_columns(SCHEMA.empty_table())
         return {name: empty[name] for name in [*SCHEMA.names, "has_color", "has_custom"]}
-    combined = {name: np.concatenate([part[name] for part in parts]) for name in [*SCHEMA.names, "has_color", "has_custom"]}
-    order = np.lexsort((combined["id"], combined["layer"]))
-    return {name: column.take(order) for name, column in combined.items()}
+    all_rows = {name: np.concatenate([part[name] for part in parts]) for name in [*SCHEMA.names, "has_color", "has_custom"]}
+    order = np.lexsort((all_rows["id"], all_rows["layer"]))
+    return {name: column.take(order) for name, column in all_rows.items()}
 
 
 # The name of the mask of each nullable column. The mask is true where the column has a value.

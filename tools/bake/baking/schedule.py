@@ -67,24 +67,24 @@ def read_costs(folder: Path) -> Costs:
 
 def larger(costs: Costs, tiles: int, seed: int = 1) -> Costs:
     """Returns the costs of a world with `tiles` tiles. The cost of each is drawn at random from the measured tiles."""
-    chance = random.Random(seed)
-    return Costs(chance.choices(list(costs.tiles), k=tiles), costs.start, costs.driver, costs.bytes)
+    rng = random.Random(seed)
+    return Costs(rng.choices(list(costs.tiles), k=tiles), costs.start, costs.driver, costs.bytes)
 
 
 def simulate(costs: Costs, workers: int, cores: int | None = None) -> float:
     """Returns the seconds until the last tile is done. Each worker requests a tile from the driver, waits for its turn
     and generates the tile. If `cores` is given, the workers and the driver share that many cores. Otherwise each worker
     and the driver has a separate core."""
-    free = [(costs.start, worker) for worker in range(workers)]  # The times at which workers request their next tiles.
+    workers_by_time = [(costs.start, worker) for worker in range(workers)]  # The time at which each worker requests its next tile.
     driver = 0.0  # The time until which the driver is busy.
-    last = 0.0
+    last_end = 0.0
     for seconds in costs.tiles:
-        requested, worker = heapq.heappop(free)
-        driver = max(driver, requested) + costs.driver
-        done = driver + seconds
-        last = max(last, done)
-        heapq.heappush(free, (done, worker))
-    return last if cores is None else max(last, costs.start + _shared(costs, cores))
+        request_time, worker = heapq.heappop(workers_by_time)
+        driver = max(driver, request_time) + costs.driver
+        end = driver + seconds
+        last_end = max(last_end, end)
+        heapq.heappush(workers_by_time, (end, worker))
+    return last_end if cores is None else max(last_end, costs.start + _shared(costs, cores))
 
 
 def _shared(costs: Costs, cores: int) -> float:
@@ -92,22 +92,22 @@ def _shared(costs: Costs, cores: int) -> float:
     return (costs.work + costs.driver * len(costs.tiles)) / cores
 
 
-def forecast(costs: Costs, workers: int, alone: float, cores: int | None = None) -> Forecast:
-    """Returns the prediction for `workers` workers. `alone` is the time with one worker in seconds."""
+def forecast(costs: Costs, workers: int, single_worker_seconds: float, cores: int | None = None) -> Forecast:
+    """Returns the prediction for `workers` workers. `single_worker_seconds` is the time with one worker in seconds."""
     seconds = simulate(costs, workers, cores)
-    parts = {
+    bounds = {
         "tiles": costs.work / workers,
         "the driver": costs.driver * len(costs.tiles),
         "the longest tile": max(costs.tiles),
         "engines that start": costs.start,
         "the cores": _shared(costs, cores) if cores is not None else 0.0,
     }
-    return Forecast(workers, seconds, max(parts, key=parts.__getitem__), alone / seconds, costs.bytes * len(costs.tiles) / seconds)
+    return Forecast(workers, seconds, max(bounds, key=bounds.__getitem__), single_worker_seconds / seconds, costs.bytes * len(costs.tiles) / seconds)
 
 
 def table(costs: Costs, workers: Sequence[int], cores: int | None = None) -> str:
     """Returns a Markdown table with a prediction for each number of workers."""
-    alone = simulate(costs, 1, cores)
+    single_worker_seconds = simulate(costs, 1, cores)
     lines = [
         f"{len(costs.tiles):,} tiles of {costs.work / len(costs.tiles):.3g} core-seconds on average, {max(costs.tiles):.3g} at most; "
         f"{costs.start:.3g} s for an engine to start, {1000 * costs.driver:.3g} ms of the driver and {amount(costs.bytes)}B for each tile. "
@@ -117,8 +117,8 @@ def table(costs: Costs, workers: Sequence[int], cores: int | None = None) -> str
         "| ---: | ---: | ---: | --- | ---: |",
     ]
     for count in workers:
-        one = forecast(costs, count, alone, cores)
-        lines.append(f"| {count:,} | {duration(one.seconds)} | {one.speed:.1f} | {one.bound} | {amount(one.bytes_a_second)}B |")
+        prediction = forecast(costs, count, single_worker_seconds, cores)
+        lines.append(f"| {count:,} | {duration(prediction.seconds)} | {prediction.speed:.1f} | {prediction.bound} | {amount(prediction.bytes_a_second)}B |")
     return "\n".join(lines)
 
 
@@ -128,19 +128,19 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--workers", default="1,2,10,100,1000", help="numbers of workers (%(default)s)")
     parser.add_argument("--cores", type=int, help="the number of cores that all share, on one machine; by default one for each worker and one for the driver")
     parser.add_argument("--tiles", type=int, help="predict for a world of this many similar tiles; by default for the bake itself")
-    chosen = parser.parse_args(arguments)
-    counts = chosen.workers.split(",")
+    options = parser.parse_args(arguments)
+    counts = options.workers.split(",")
     if not all(count.strip().isdecimal() for count in counts):
-        parser.error(f"--workers must be integers separated by commas, such as 1,10,100, got '{chosen.workers}'")
+        parser.error(f"--workers must be integers separated by commas, such as 1,10,100, got '{options.workers}'")
     workers = [int(count) for count in counts]
-    if min([*workers, *(count for count in (chosen.cores, chosen.tiles) if count is not None)]) < 1:
-        parser.error(f"--workers, --cores and --tiles must all be 1 or more, got {chosen.workers}, {chosen.cores} and {chosen.tiles}")
+    if min([*workers, *(count for count in (options.cores, options.tiles) if count is not None)]) < 1:
+        parser.error(f"--workers, --cores and --tiles must all be 1 or more, got {options.workers}, {options.cores} and {options.tiles}")
     try:
-        costs = read_costs(chosen.out)
+        costs = read_costs(options.out)
     except BakeError as error:
         print(f"schedule: {error}", file=sys.stderr)
         return 2
-    print(table(larger(costs, chosen.tiles) if chosen.tiles else costs, workers, chosen.cores))
+    print(table(larger(costs, options.tiles) if options.tiles else costs, workers, options.cores))
     return 0
 
 

@@ -55,64 +55,64 @@ class SceneChanged(RuntimeError):
     """Raised if the scene differs from the one with which the bake was started."""
 
 
-def changed_parts(before: dict[str, str], now: dict[str, str]) -> str:
+def changed_parts(planned: dict[str, str], current: dict[str, str]) -> str:
     """Returns the names of the scene's parts in which two versions differ, for a message."""
-    return ", ".join(part for part in {**before, **now} if before.get(part) != now.get(part)) or "no named part"
+    return ", ".join(name for name in {**planned, **current} if planned.get(name) != current.get(name)) or "no named part"
 
 
 # Each thread of this process has a separate engine, and the key of the scene with which that engine was started.
-_own = threading.local()
+_thread_state = threading.local()
 _engines: list[TileEngine | TileFolder] = []
 
 
 def _engine_of(plan: Plan) -> TileEngine:
     """Returns this thread's engine with the plan's scene, starting one if necessary. Raises EngineGone, Rejected or
     SceneChanged."""
-    if getattr(_own, "key", None) != (plan.source, plan.scene_digest) or _own.engine not in _engines:
+    if getattr(_thread_state, "key", None) != (plan.source, plan.scene_digest) or _thread_state.engine not in _engines:
         _drop_engine()
-        begun = time.perf_counter()
-        _own.engine = _started(plan.source)
-        described = _own.engine.describe(plan.requested)
-        _own.starting = getattr(_own, "starting", 0.0) + time.perf_counter() - begun
+        start = time.perf_counter()
+        _thread_state.engine = _start(plan.source)
+        described = _thread_state.engine.describe(plan.requested)
+        _thread_state.starting = getattr(_thread_state, "starting", 0.0) + time.perf_counter() - start
         if described["scene_digest"] != plan.scene_digest:
             raise SceneChanged(
                 f"The scene {plan.source.scene} changed during the bake: {changed_parts(plan.parts, described['parts'])}. "
                 "Revert the change to continue, or start over with --fresh."
             )
-        _begin_to_count((plan.source, plan.scene_digest))
-    return _own.engine
+        _start_counting((plan.source, plan.scene_digest))
+    return _thread_state.engine
 
 
-def _begin_to_count(key: tuple[Source | MadeTiles, str]) -> None:
+def _start_counting(key: tuple[Source | MadeTiles, str]) -> None:
     """Stores the key of this thread's engine, which is now ready. CPU time that was used before is not counted for any
     tile."""
-    _own.key = key
-    _own.spent = _core_seconds()
+    _thread_state.key = key
+    _thread_state.spent = _core_seconds()
 
 
 def _core_seconds() -> float:
     """Returns the CPU time of this process and of this thread's engine so far. If the process has several worker
     threads, the result includes all of them."""
-    engine = getattr(_own, "engine", None)
+    engine = getattr(_thread_state, "engine", None)
     return time.process_time() + (engine.core_seconds() if engine is not None else 0.0)
 
 
 def _core_seconds_of_tile() -> float:
     """Returns the CPU time since the previous tile was done, including the time to receive this one."""
-    now = _core_seconds()
-    spent, _own.spent = now - getattr(_own, "spent", now), now
+    total = _core_seconds()
+    spent, _thread_state.spent = total - getattr(_thread_state, "spent", total), total
     return spent
 
 
-def _started(source: Source | MadeTiles) -> TileEngine | TileFolder:
+def _start(source: Source | MadeTiles) -> TileEngine | TileFolder:
     engine = source.start()
     _engines.append(engine)
     return engine
 
 
 def _drop_engine() -> None:
-    engine = getattr(_own, "engine", None)
-    _own.engine = _own.key = None
+    engine = getattr(_thread_state, "engine", None)
+    _thread_state.engine = _thread_state.key = None
     if engine in _engines:  # Another thread closes the engines of all threads when a bake ends.
         _engines.remove(engine)
         engine.close()
@@ -122,7 +122,7 @@ def close_engines() -> None:
     """Stops all engines of this process."""
     while _engines:
         _engines.pop().close()
-    _own.__dict__.clear()
+    _thread_state.__dict__.clear()
 
 
 atexit.register(close_engines)
@@ -133,12 +133,12 @@ def describe(source: Source | MadeTiles, requested: dict[str, str]) -> dict:
     and the engine's startup time in seconds as `starting`. Starts a new engine, so that it reads the current state of
     the scene."""
     _drop_engine()
-    begun = time.perf_counter()
-    _own.engine = _started(source)
-    described = _own.engine.describe(requested)
-    described["starting"] = time.perf_counter() - begun
-    described["models"], described["files"] = _own.engine.models([layer["index"] for layer in described["layers"]])
-    _begin_to_count((source, described["scene_digest"]))
+    start = time.perf_counter()
+    _thread_state.engine = _start(source)
+    described = _thread_state.engine.describe(requested)
+    described["starting"] = time.perf_counter() - start
+    described["models"], described["files"] = _thread_state.engine.models([layer["index"] for layer in described["layers"]])
+    _start_counting((source, described["scene_digest"]))
     return described
 
 
@@ -149,31 +149,31 @@ def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
     if necessary), `bytes` and `memory`. After an error, it contains a message instead: `failed` if only this tile cannot be
     generated, `stop` if no other tile can be generated either."""
     start = time.perf_counter()
-    _own.starting = 0.0
+    _thread_state.starting = 0.0
     path = files.tile_path(location(plan.out), tile)
     marks = plan.marks(tile)
-    known = files.read_tile(path, marks, entry)
+    existing = files.read_tile(path, marks, entry)
     try:
-        if known is None:
+        if existing is None:
             files.remove(path)  # A reader must not use an invalid file.
-            columns, sheared = _made(plan, tile)
+            columns, sheared = _generate(plan, tile)
             marks |= {"thicket.digest": rows.digest(columns), "thicket.sheared": str(sheared)}
             sha256 = files.write_tile(path, columns, marks)
         else:
-            columns, marks, sha256 = known
+            columns, marks, sha256 = existing
     except (SceneChanged, files.CannotWrite) as error:
         return {"tile": tile, "stop": str(error)}
     except (Rejected, EngineGone) as error:
         return {"tile": tile, "failed": str(error)}
-    engine = getattr(_own, "engine", None)
+    engine = getattr(_thread_state, "engine", None)
     return {
         "tile": tile,
-        "made": known is None,
+        "made": existing is None,
         "entry": {**_entry(plan, path, columns, marks), "sha256": sha256},
         "pixels": _pixels(plan, columns),
-        "seconds": time.perf_counter() - start - _own.starting,
+        "seconds": time.perf_counter() - start - _thread_state.starting,
         "core_seconds": _core_seconds_of_tile(),
-        "starting": _own.starting,
+        "starting": _thread_state.starting,
         "bytes": path.stat().st_size,
         "memory": (1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, engine.peak_memory() if engine is not None else 0),
     }
@@ -183,17 +183,17 @@ def measure(plan: Plan, tile: tuple[int, int]) -> tuple[int, int, float] | None:
     """Generates a tile without storing it. Returns its number of rows, the size of its file in bytes and its CPU time in
     seconds, or None if it cannot be generated."""
     try:
-        columns, _ = _made(plan, tile)
+        columns, _ = _generate(plan, tile)
     except (SceneChanged, Rejected, EngineGone):
         return None  # The bake reports the reason.
     size = files.packed_tile(columns, plan.marks(tile)).size
     return len(columns["id"]), size, _core_seconds_of_tile()
 
 
-def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
+def _generate(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
     for attempt in range(1, _ATTEMPTS + 1):
         try:
-            return _requested_rows(plan, tile, _engine_of(plan))
+            return _rows_of(plan, tile, _engine_of(plan))
         except (EngineGone, rows.BadRows) as error:
             _drop_engine()  # The engine may have stopped in the middle of a message.
             if attempt == _ATTEMPTS:
@@ -201,16 +201,16 @@ def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
     raise AssertionError
 
 
-def _requested_rows(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
+def _rows_of(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
     """Returns the sorted rows of a tile and the number of instances with a shear."""
     area = plan.grid.area_of(tile)
-    parts, sheared = [], 0
-    for made, data in engine.rows(tile):
-        part, leaning = rows.parse(data, made["layer"], plan.layers[made["layer"]])
-        within = inside(area, made["bounds"], part["x"], part["z"])
-        parts.append(part if within is None else {name: column[within] for name, column in part.items()})
-        sheared += leaning
-    return rows.joined(parts), sheared
+    tables, sheared = [], 0
+    for header, data in engine.rows(tile):
+        columns, sheared_rows = rows.parse(data, header["layer"], plan.layers[header["layer"]])
+        mask = inside(area, header["bounds"], columns["x"], columns["z"])
+        tables.append(columns if mask is None else {name: column[mask] for name, column in columns.items()})
+        sheared += sheared_rows
+    return rows.joined(tables), sheared
 
 
 def _entry(plan: Plan, path: Location, columns: rows.Columns, marks: dict[str, str]) -> dict:
@@ -228,10 +228,10 @@ def _entry(plan: Plan, path: Location, columns: rows.Columns, marks: dict[str, s
 def _pixels(plan: Plan, columns: rows.Columns) -> list[tuple[np.ndarray, np.ndarray]]:
     """Returns for each layer the map pixels that contain instances, as row << 16 | column, and the number of instances
     in each."""
-    found = []
+    result = []
     for layer in plan.layers:
-        own = columns["layer"] == layer
-        column = np.clip((columns["x"][own] - plan.rect[0]) // plan.pixel, 0, 0xFFFF).astype(np.uint32)
-        row = np.clip((columns["z"][own] - plan.rect[1]) // plan.pixel, 0, 0xFFFF).astype(np.uint32)
-        found.append(np.unique(row << np.uint32(16) | column, return_counts=True))
-    return found
+        in_layer = columns["layer"] == layer
+        column = np.clip((columns["x"][in_layer] - plan.rect[0]) // plan.pixel, 0, 0xFFFF).astype(np.uint32)
+        row = np.clip((columns["z"][in_layer] - plan.rect[1]) // plan.pixel, 0, 0xFFFF).astype(np.uint32)
+        result.append(np.unique(row << np.uint32(16) | column, return_counts=True))
+    return result

@@ -101,7 +101,7 @@ class TileEngine:
             except (EngineGone, ValueError):
                 pass
             self.connection.close()  # The connection was made by another process on this machine.
-        raise EngineGone(f"The engine did not connect in time, or it crashed: check the project, {self.project}. {self._last_words()}")
+        raise EngineGone(f"The engine did not connect in time, or it crashed: check the project, {self.project}. {self._output_text()}")
 
     def _family(self) -> list[psutil.Process]:
         """Returns the process that this object has started and all of its descendants. The engine may be one of
@@ -112,7 +112,7 @@ class TileEngine:
         except psutil.Error:
             return []
 
-    def _last_words(self) -> str:
+    def _output_text(self) -> str:
         self.log.seek(0)
         lines = self.log.read().decode(errors="replace").splitlines()
         return "It printed:\n" + "\n".join(lines[-20:]) if lines else "It printed nothing."
@@ -122,27 +122,27 @@ class TileEngine:
         try:
             self.connection.sendall(struct.pack("<I", len(text)) + text)
         except OSError as error:
-            raise EngineGone(f"The engine has ended ({error}). {self._last_words()}") from error
+            raise EngineGone(f"The engine has ended ({error}). {self._output_text()}") from error
 
-    def _take(self, count: int) -> bytearray:
-        taken = bytearray(count)
-        view = memoryview(taken)
+    def _receive_bytes(self, count: int) -> bytearray:
+        data = bytearray(count)
+        view = memoryview(data)
         while view:
             try:
                 size = self.connection.recv_into(view)
             except OSError as error:
-                raise EngineGone(f"The engine does not answer ({error}). {self._last_words()}") from error
+                raise EngineGone(f"The engine does not answer ({error}). {self._output_text()}") from error
             if size == 0:
-                raise EngineGone(f"The engine has ended in the middle of a tile. {self._last_words()}")
+                raise EngineGone(f"The engine has ended in the middle of a tile. {self._output_text()}")
             view = view[size:]
-        return taken
+        return data
 
     def _receive(self) -> tuple[dict, bytearray]:
-        (length,) = struct.unpack("<I", self._take(4))
-        header = json.loads(self._take(length))
+        (length,) = struct.unpack("<I", self._receive_bytes(4))
+        header = json.loads(self._receive_bytes(length))
         if "error" in header:
-            raise Rejected(f"{header['error']} {self._last_words() if 'printed' in header['error'] else ''}".strip())
-        return header, self._take(header["bytes"])
+            raise Rejected(f"{header['error']} {self._output_text() if 'printed' in header['error'] else ''}".strip())
+        return header, self._receive_bytes(header["bytes"])
 
     def describe(self, requested: dict[str, str]) -> dict:
         """Returns the scene's description from scene_description.gd. `requested` has `rect`, `tile_size` and `layers` as strings;
@@ -157,33 +157,33 @@ class TileEngine:
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:
         """Returns the models of each layer's instances, and the contents of the required files, keyed by path."""
         self._send({"do": "models", "layers": layers})
-        found: list[dict] = []
+        models: list[dict] = []
         files: dict[str, bytes] = {}
         while True:
             header, payload = self._receive()
             if header.get("end"):
-                return found, files
+                return models, files
             if "file" in header:
                 files[header["file"]] = bytes(payload)
             else:
-                found.append(header)
+                models.append(header)
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, bytearray]]:
         """Yields, for each of the game's tiles that overlaps a tile of the bake, a header with `layer`, `bounds` (see
         grid.py) and other values, and the rows (see ScatterTile.get_rows). The tiles belong to the last described scene."""
         self._send({"do": "rows", "tile": tile})
         while True:
-            part, data = self._receive()
-            if part.get("end"):
+            header, data = self._receive()
+            if header.get("end"):
                 return
-            yield part, data
+            yield header, data
 
     def peak_memory(self) -> int:
         """Returns the engine's peak memory in bytes, or 0 if the system does not provide it."""
         peak = 0
         with contextlib.suppress(OSError):
-            for each in self.family:
-                for line in Path(f"/proc/{each.pid}/status").read_text(encoding="utf-8").splitlines():
+            for process in self.family:
+                for line in Path(f"/proc/{process.pid}/status").read_text(encoding="utf-8").splitlines():
                     if line.startswith("VmHWM:"):
                         peak = max(peak, 1024 * int(line.split()[1]))
         return peak

@@ -48,14 +48,14 @@ def made_tiles(folder: Path) -> MadeTiles:
 
 
 def _read_world(folder: Path) -> dict:
-    again = "create the folder again with bake_world.gd"
+    advice = "create the folder again with bake_world.gd"
     try:
         world = read_json(folder / WORLD)
     except (OSError, BakeError) as error:
-        raise BakeError(f"{error}; {again}") from None
+        raise BakeError(f"{error}; {advice}") from None
     if "columns" not in world:
-        raise BakeError(f"{folder} was created by another version of Thicket: {again}")
-    with reporting_invalid_values(folder / WORLD, again):
+        raise BakeError(f"{folder} was created by another version of Thicket: {advice}")
+    with reporting_invalid_values(folder / WORLD, advice):
         _world(world)
         _check_consistency(world)
     return world
@@ -64,17 +64,17 @@ def _read_world(folder: Path) -> dict:
 def _check_consistency(world: dict) -> None:
     """Checks conditions that involve several values."""
     check_rect(world["rect"])
-    sides = world["grid"][2:]
-    if min(sides) < 1 or sides[0] * sides[1] > MAX_TILES:
-        raise InvalidValue(sides, f"first column, first row, columns and rows of 1 to {MAX_TILES} tiles").within("grid")
-    if [len(edges) - 1 for edges in world["edges"]] != sides:
+    counts = world["grid"][2:]
+    if min(counts) < 1 or counts[0] * counts[1] > MAX_TILES:
+        raise InvalidValue(counts, f"first column, first row, columns and rows of 1 to {MAX_TILES} tiles").within("grid")
+    if [len(edges) - 1 for edges in world["edges"]] != counts:
         raise InvalidValue(world["edges"], "the edges of all columns and rows of the grid").within("edges")
     indices = [layer["index"] for layer in world["layers"]]
     if len(set(indices)) < len(indices):
         raise InvalidValue(indices, "layers with different indices").within("layers")
     if {str(index) for index in indices} - world["columns"].keys():
         raise InvalidValue(world["columns"], "an object with the columns of each layer").within("columns")
-    if set(indices) - {each["index"] for each in world["models"]}:
+    if set(indices) - {entry["index"] for entry in world["models"]}:
         raise InvalidValue(world["models"], "an array with an entry for each layer").within("models")
 
 
@@ -96,7 +96,7 @@ class TileFolder:
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:
         """Returns the models like TileEngine.models. The result contains the files of all layers, regardless of `layers`."""
         files = {f"models/{path.name}": path.read_bytes() for path in sorted(self.folder.glob("models/*.res"))}
-        return [each for each in self.world["models"] if each["index"] in layers], files
+        return [entry for entry in self.world["models"] if entry["index"] in layers], files
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, memoryview]]:
         """Yields the rows of a tile like TileEngine.rows. Raises Rejected if the tile's file is missing, unreadable or damaged,
@@ -120,8 +120,8 @@ class TileFolder:
         if header["tile"] != name_of(tile) or header["of"] != mark or header["sha256"] != hashlib.sha256(data).hexdigest():
             raise ValueError
         while data:
-            part, rows, data = _message(data)
-            yield part, rows
+            header, rows, data = _message(data)
+            yield header, rows
 
     def peak_memory(self) -> int:
         return 0  # A folder has no engine.

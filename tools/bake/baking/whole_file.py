@@ -71,11 +71,11 @@ def write_whole(path: Location, content: bytes | memoryview) -> None:
 
 def _sync_folder(folder: Path) -> None:
     with contextlib.suppress(OSError):  # Some file systems cannot flush a folder to disk. The file is still written.
-        opened = os.open(folder, os.O_RDONLY)
+        descriptor = os.open(folder, os.O_RDONLY)
         try:
-            os.fsync(opened)
+            os.fsync(descriptor)
         finally:
-            os.close(opened)
+            os.close(descriptor)
 
 
 def _cannot_write(path: Path, error: OSError) -> CannotWrite:

@@ -12,21 +12,21 @@ from baking.whole_file import CannotWrite
 from . import geoparquet, gltf, godot, maps, usd
 from .say import say
 
-# Each module has a docstring for --help, and the functions add_options(parser) and export(chosen).
+# Each module has a docstring for --help, and the functions add_options(parser) and export(options).
 WRITERS = {"godot": godot, "gltf": gltf, "usd": usd, "geoparquet": geoparquet, "maps": maps}
 
 
 def main(arguments: list[str]) -> int:
     """Runs an export. Returns 0 if it is complete, 1 after an error, which is printed, and 130 if it was interrupted.
     For invalid arguments, argparse exits with 2."""
-    chosen = _parser().parse_args(with_values(arguments, ("--tiles", "--origin")))
+    options = _parser().parse_args(with_values(arguments, ("--tiles", "--origin")))
     try:
-        WRITERS[chosen.writer].export(chosen)
+        WRITERS[options.writer].export(options)
     except (BakeError, CannotWrite) as error:
         say(str(error))
         return 1
     except OSError as error:
-        say(f"Cannot read or write {error.filename or chosen.bake}: {error.strerror or error}; check that it exists and is writable and that the disk has room")
+        say(f"Cannot read or write {error.filename or options.bake}: {error.strerror or error}; check that it exists and is writable and that the disk has room")
         return 1
     except KeyboardInterrupt:
         say("interrupted")
@@ -39,9 +39,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("bake", type=place_argument, help="the folder of a bake, or its URL in an object store")
     writers = parser.add_subparsers(dest="writer", required=True, prog="bake_export.sh BAKE")
     for name, writer in WRITERS.items():
-        options = writers.add_parser(name, description=writer.__doc__)
-        options.add_argument("--no-verify", dest="verify", action="store_false", help="do not compare tiles with the digests in the manifest")
-        writer.add_options(options)
+        writer_parser = writers.add_parser(name, description=writer.__doc__)
+        writer_parser.add_argument("--no-verify", dest="verify", action="store_false", help="do not compare tiles with the digests in the manifest")
+        writer.add_options(writer_parser)
     return parser
 
 

@@ -138,17 +138,17 @@ def open_bake(folder: Location | str, verify: bool = True) -> Bake:
         folder = absolute(location(folder) if isinstance(folder, str) else folder)
     except CannotLocate as error:
         raise BakeError(str(error)) from None
-    said = read_manifest(folder)
-    check_manifest(said, folder / MANIFEST)
-    tiles = [_tile(folder, key, entry, verify) for key, entry in said["tiles"].items()]
+    manifest = read_manifest(folder)
+    check_manifest(manifest, folder / MANIFEST)
+    tiles = [_tile(folder, key, entry, verify) for key, entry in manifest["tiles"].items()]
     return Bake(
         folder=folder,
-        scene=said["scene"],
-        scene_digest=said["scene_digest"],
-        rect=tuple(float(number) for number in said["rect"]),
-        tile_size=float(said["tile_size"]),
-        world_offset=tuple(float(number) for number in said["world_offset"]),
-        layers=tuple(_layer(entry) for entry in said["layers"]),
+        scene=manifest["scene"],
+        scene_digest=manifest["scene_digest"],
+        rect=tuple(float(number) for number in manifest["rect"]),
+        tile_size=float(manifest["tile_size"]),
+        world_offset=tuple(float(number) for number in manifest["world_offset"]),
+        layers=tuple(_layer(entry) for entry in manifest["layers"]),
         tiles=tuple(sorted(tiles, key=lambda tile: (tile.z, tile.x))),
     )
 
@@ -161,14 +161,14 @@ def _open_tile(tile: Tile) -> pq.ParquetFile:
     except (OSError, pa.ArrowException) as error:
         raise BakeError(f"tile {tile} cannot be read: {error}; {tile.remedy}") from None
     if file.metadata.num_rows != tile.rows:
-        found = file.metadata.num_rows
+        row_count = file.metadata.num_rows
         file.close()
-        raise BakeError(f"{tile.file} has {found} rows, but the manifest specifies {tile.rows}; {tile.remedy}")
+        raise BakeError(f"{tile.file} has {row_count} rows, but the manifest specifies {tile.rows}; {tile.remedy}")
     return file
 
 
-def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
-    """Yields columns of a tile in the file's order, at most `most_rows` rows at a time. Raises BakeError if the file is
+def read_batches(tile: Tile, columns: list[str], max_rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
+    """Yields columns of a tile in the file's order, at most `max_rows` rows at a time. Raises BakeError if the file is
     missing or damaged, if it lacks a column, or if its number of rows or its digest differs from the manifest. The
     digest is checked only if the bake was opened with `verify`. For a tile that has no rows in the manifest, yields
     nothing and does not open the file."""
@@ -179,7 +179,7 @@ def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> It
         if missing:
             raise BakeError(f"{tile.file} has no column {missing[0]}; bake again with --fresh")
         try:
-            for batch in file.iter_batches(batch_size=most_rows, columns=columns):
+            for batch in file.iter_batches(batch_size=max_rows, columns=columns):
                 yield {name: _numbers(batch.column(name)) for name in columns}
         except (OSError, pa.ArrowException) as error:
             raise BakeError(f"{tile.file} is damaged: {error}; {tile.remedy}") from None
@@ -213,20 +213,20 @@ class Instances:
 
 def read_tile(tile: Tile) -> Instances:
     """Returns all instances of a tile. Raises BakeError in the same cases as read_batches."""
-    parts = list(read_batches(tile, SCHEMA.names))
-    column = {name: np.concatenate([part[name] for part in parts]) if parts else np.zeros(0) for name in SCHEMA.names}
-    scale = column["scale_x"]
-    has_custom = ~np.isnan(column["wind_phase"])
-    custom = np.stack([column["variation"], column["wind_phase"], column["rank"] / 2.0**32, np.abs(scale)], axis=1)
+    batches = list(read_batches(tile, SCHEMA.names))
+    columns = {name: np.concatenate([batch[name] for batch in batches]) if batches else np.zeros(0) for name in SCHEMA.names}
+    scale = columns["scale_x"]
+    has_custom = ~np.isnan(columns["wind_phase"])
+    custom = np.stack([columns["variation"], columns["wind_phase"], columns["rank"] / 2.0**32, np.abs(scale)], axis=1)
     return Instances(
-        ids=column["id"].astype(np.uint64),
-        layers=column["layer"].astype(np.uint16),
-        models=column["model"].astype(np.uint16),
-        positions=np.stack([column[axis] for axis in "xyz"], axis=1).astype(np.float64),
-        rotations=np.stack([column["q" + axis] for axis in "xyzw"], axis=1).astype(np.float32),
-        scales=np.stack([column["scale_" + axis] for axis in "xyz"], axis=1).astype(np.float32),
-        ranks=column["rank"].astype(np.uint32),
-        colors=column["color"].astype("<u4").view(np.uint8).reshape(-1, 4),
+        ids=columns["id"].astype(np.uint64),
+        layers=columns["layer"].astype(np.uint16),
+        models=columns["model"].astype(np.uint16),
+        positions=np.stack([columns[axis] for axis in "xyz"], axis=1).astype(np.float64),
+        rotations=np.stack([columns["q" + axis] for axis in "xyzw"], axis=1).astype(np.float32),
+        scales=np.stack([columns["scale_" + axis] for axis in "xyz"], axis=1).astype(np.float32),
+        ranks=columns["rank"].astype(np.uint32),
+        colors=columns["color"].astype("<u4").view(np.uint8).reshape(-1, 4),
         custom=np.where(has_custom[:, None], custom, 0.0).astype(np.float32),
     )
 
@@ -246,8 +246,8 @@ def groups_of(bake: Bake, tile: Tile, instances: Instances) -> Iterator[tuple[La
     order = np.lexsort((instances.ids, instances.ranks, keys))
     sorted_keys = keys[order]
     starts = np.flatnonzero(np.r_[len(order) > 0, sorted_keys[1:] != sorted_keys[:-1]]) if len(order) else []
-    for number, start in enumerate(starts):
-        end = starts[number + 1] if number + 1 < len(starts) else len(order)
+    for position, start in enumerate(starts):
+        end = starts[position + 1] if position + 1 < len(starts) else len(order)
         index, model = int(sorted_keys[start] >> 16), int(sorted_keys[start] & 0xFFFF)
         if index not in layers or model >= len(layers[index].models):
             raise BakeError(f"{tile.file} has instances of layer {index}, model {model}, which is not in the manifest; {tile.remedy}")

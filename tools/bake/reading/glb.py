@@ -27,11 +27,11 @@ def read_glb(data: bytes) -> tuple[dict, bytes]:
     version 2."""
     if len(data) < 20 or struct.unpack_from("<II", data) != (MAGIC, 2) or struct.unpack_from("<I", data, 8)[0] != len(data):
         raise GlbError(f"it is not a complete binary glTF 2.0 file, with {len(data)} bytes")
-    chunks, at = {}, 12
-    while at + 8 <= len(data):
-        length, kind = struct.unpack_from("<II", data, at)
-        chunks[kind] = data[at + 8 : at + 8 + length]
-        at += 8 + length
+    chunks, offset = {}, 12
+    while offset + 8 <= len(data):
+        length, kind = struct.unpack_from("<II", data, offset)
+        chunks[kind] = data[offset + 8 : offset + 8 + length]
+        offset += 8 + length
     try:
         return json.loads(chunks[JSON_CHUNK]), chunks.get(BINARY_CHUNK, b"")
     except (LookupError, ValueError) as error:
@@ -102,13 +102,13 @@ class Glb:
 
     def add_node(self, node: dict, parent: int | None = None) -> int:
         """Appends a node as a child of `parent`, or at the top level if `parent` is None. Returns the node's index."""
-        number = len(self.json["nodes"])
+        index = len(self.json["nodes"])
         self.json["nodes"].append(node)
         if parent is None:
-            self.json["scenes"][0]["nodes"].append(number)
+            self.json["scenes"][0]["nodes"].append(index)
         else:
-            self.json["nodes"][parent].setdefault("children", []).append(number)
-        return number
+            self.json["nodes"][parent].setdefault("children", []).append(index)
+        return index
 
     def add_accessor(self, values: np.ndarray, target: int | None = None, is_normalized: bool = False, has_limits: bool = False) -> int:
         """Appends an array with 1 to 4 columns and returns the index of its accessor. glTF requires `has_limits` for
@@ -150,30 +150,30 @@ class Glb:
         files that the engine exports."""
         names = ("accessors", "meshes", "materials", "textures", "samplers")
         base = {name: len(self.json.get(name, [])) for name in names}
-        added = {name: copy.deepcopy(other.get(name, [])) for name in names}
+        copies = {name: copy.deepcopy(other.get(name, [])) for name in names}
         views = [self._add_view(binary, view) for view in other.get("bufferViews", [])]
         images = [self._add_image({**image, "bufferView": views[image["bufferView"]]}) for image in other.get("images", [])]
-        for accessor in added["accessors"]:
-            for part in (accessor, *accessor.get("sparse", {}).values()):
-                if isinstance(part, dict) and "bufferView" in part:
-                    part["bufferView"] = views[part["bufferView"]]
-        for mesh in added["meshes"]:
+        for accessor in copies["accessors"]:
+            for holder in (accessor, *accessor.get("sparse", {}).values()):
+                if isinstance(holder, dict) and "bufferView" in holder:
+                    holder["bufferView"] = views[holder["bufferView"]]
+        for mesh in copies["meshes"]:
             for primitive in mesh["primitives"]:
                 _shift(primitive, "indices", base["accessors"])
                 _shift(primitive, "material", base["materials"])
                 for attributes in (primitive["attributes"], *primitive.get("targets", [])):
                     for name in attributes:
                         attributes[name] += base["accessors"]
-        for material in added["materials"]:
+        for material in copies["materials"]:
             _shift_textures(material, base["textures"])
-        for texture in added["textures"]:
+        for texture in copies["textures"]:
             _shift(texture, "sampler", base["samplers"])
-            for part in (texture, *texture.get("extensions", {}).values()):
-                if "source" in part:
-                    part["source"] = images[part["source"]]
+            for holder in (texture, *texture.get("extensions", {}).values()):
+                if "source" in holder:
+                    holder["source"] = images[holder["source"]]
         for name in names:
-            if added[name]:
-                self._list(name).extend(added[name])
+            if copies[name]:
+                self._list(name).extend(copies[name])
         # Keep only standard extensions. The engine also lists a nonstandard one for nested nodes.
         for name in (name for name in other.get("extensionsUsed", []) if name.startswith(("KHR_", "EXT_"))):
             self.use_extension(name, name in other.get("extensionsRequired", []))
@@ -183,21 +183,21 @@ class Glb:
         """Appends a buffer view of another file, unless it already exists, and returns its index."""
         start = view.get("byteOffset", 0)
         data = binary[start : start + view["byteLength"]]
-        kept = {name: view[name] for name in ("byteStride", "target") if name in view}
-        key = (hashlib.sha256(data).digest(), *kept.items())
+        properties = {name: view[name] for name in ("byteStride", "target") if name in view}
+        key = (hashlib.sha256(data).digest(), *properties.items())
         # Vertices in one view need a stride if several accessors use that view.
-        if key not in self._views or ("byteStride" not in kept and kept.get("target") == ARRAY_BUFFER):
-            place = {"buffer": 0, "byteOffset": self._append(data)} if self._shared is None else {"buffer": 1, "byteOffset": self._shared.offset(data)}
-            self._list("bufferViews").append({**place, "byteLength": len(data), **kept})
+        if key not in self._views or ("byteStride" not in properties and properties.get("target") == ARRAY_BUFFER):
+            location = {"buffer": 0, "byteOffset": self._append(data)} if self._shared is None else {"buffer": 1, "byteOffset": self._shared.offset(data)}
+            self._list("bufferViews").append({**location, "byteLength": len(data), **properties})
             self._views[key] = len(self.json["bufferViews"]) - 1
         return self._views[key]
 
     def _add_image(self, image: dict) -> int:
         """Appends an image, unless it already exists, and returns its index. Names of images have no effect."""
         images = self._list("images")
-        for number, other in enumerate(images):
+        for index, other in enumerate(images):
             if other["bufferView"] == image["bufferView"]:
-                return number
+                return index
         images.append(image)
         return len(images) - 1
 
@@ -222,15 +222,15 @@ class Glb:
         write_whole(path, self.to_bytes())
 
 
-def _shift(entry: dict, key: str, by: int) -> None:
+def _shift(entry: dict, key: str, amount: int) -> None:
     if key in entry:
-        entry[key] += by
+        entry[key] += amount
 
 
-def _shift_textures(part: dict, by: int) -> None:
-    """Adds `by` to all texture indices in a material and its extensions."""
+def _shift_textures(part: dict, amount: int) -> None:
+    """Adds `amount` to all texture indices in a material and its extensions."""
     for name, value in part.items():
         if isinstance(value, dict):
             if name.endswith(TEXTURE_NAMES) and "index" in value:
-                value["index"] += by
-            _shift_textures(value, by)
+                value["index"] += amount
+            _shift_textures(value, amount)

@@ -8,17 +8,17 @@ import numpy as np
 
 from .bake import Bake, Tile, center_of, groups_of, open_bake, read_tile
 from .glb import Glb, SharedBuffer
-from .models import Models, check_options, chosen_models
+from .models import Models, check_options, models_to_export
 from .models import add_options as add_model_options
-from .options import add_folder, chosen_tiles, vector
+from .options import add_folder, tiles_to_export, vector
 from .say import say
-from .tileset import TILESET, Placed, write_tileset
+from .tileset import TILESET, ExportedTile, write_tileset
 
 INSTANCING = "EXT_mesh_gpu_instancing"
 MODELS = "models.bin"
 
 
-def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray, shared: SharedBuffer | None) -> tuple[Glb, Placed]:
+def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray, shared: SharedBuffer | None) -> tuple[Glb, ExportedTile]:
     """Returns a file with a node at the tile's center, and its bounding box. The node has a child node for each layer and
     model that is drawn, with the instances sorted by rank."""
     center, instances = center_of(bake, tile), read_tile(tile)
@@ -33,13 +33,13 @@ def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray, shared:
         key = models.key(layer, model)
         if key not in meshes:
             meshes[key] = glb.add_meshes(*models.file(layer, model))
-        places = instances.positions[rows] - center
+        positions = instances.positions[rows] - center
         reach = models.reach(layer, model) * np.abs(instances.scales[rows]).max()
-        low, high = np.minimum(low, places.min(axis=0) - reach), np.maximum(high, places.max(axis=0) + reach)
-        turns = instances.rotations[rows]
+        low, high = np.minimum(low, positions.min(axis=0) - reach), np.maximum(high, positions.max(axis=0) + reach)
+        rotations = instances.rotations[rows]
         attributes = {
-            "TRANSLATION": glb.add_accessor(places.astype(np.float32)),
-            "ROTATION": glb.add_accessor(turns / np.linalg.norm(turns, axis=1, keepdims=True)),
+            "TRANSLATION": glb.add_accessor(positions.astype(np.float32)),
+            "ROTATION": glb.add_accessor(rotations / np.linalg.norm(rotations, axis=1, keepdims=True)),
             "SCALE": glb.add_accessor(instances.scales[rows]),
         }
         if layer.colored:
@@ -48,8 +48,8 @@ def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray, shared:
         node = {"name": f"{layer.name}_{model}", "mesh": meshes[key], "extensions": {INSTANCING: {"attributes": attributes}}, "extras": extras}
         glb.add_node(node, root)
         glb.use_extension(INSTANCING, is_required=True)
-    at = center - origin
-    return glb, Placed(tile.x, tile.z, f"tile_{tile.x}_{tile.z}.glb", low + at, high + at)
+    offset = center - origin
+    return glb, ExportedTile(tile.x, tile.z, f"tile_{tile.x}_{tile.z}.glb", low + offset, high + offset)
 
 
 def shared_models(bake: Bake, models: Models) -> SharedBuffer:
@@ -70,21 +70,21 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
 
 
-def export(chosen: argparse.Namespace) -> None:
+def export(options: argparse.Namespace) -> None:
     """Writes a file for each tile that has rows. Raises BakeError for an invalid option before it writes anything."""
-    check_options(chosen)
-    bake = open_bake(chosen.bake, chosen.verify)
-    tiles = chosen_tiles(bake, chosen.tiles.split())
-    models = chosen_models(bake, chosen)
-    chosen.folder.mkdir(parents=True, exist_ok=True)
-    shared = shared_models(bake, models) if chosen.share_models else None
+    check_options(options)
+    bake = open_bake(options.bake, options.verify)
+    tiles = tiles_to_export(bake, options.tiles.split())
+    models = models_to_export(bake, options)
+    options.folder.mkdir(parents=True, exist_ok=True)
+    shared = shared_models(bake, models) if options.share_models else None
     if shared is not None:
-        shared.write(chosen.folder)
-    placed = []
+        shared.write(options.folder)
+    exported_tiles = []
     for tile in tiles:
-        glb, described = tile_glb(bake, tile, models, chosen.origin, shared)
-        glb.write(chosen.folder / described.file)
-        placed.append(described)
-    if chosen.tileset and placed:
-        write_tileset(chosen.folder, placed, bake.tile_size)
-    say(f"wrote {sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles to {chosen.folder}")
+        glb, exported_tile = tile_glb(bake, tile, models, options.origin, shared)
+        glb.write(options.folder / exported_tile.file)
+        exported_tiles.append(exported_tile)
+    if options.tileset and exported_tiles:
+        write_tileset(options.folder, exported_tiles, bake.tile_size)
+    say(f"wrote {sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles to {options.folder}")

@@ -11,7 +11,7 @@ from baking.format import BakeError
 from baking.location import is_local
 
 from .bake import Bake, Tile, center_of, open_bake, read_tile
-from .multimesh import Drawn, drawn_of
+from .multimesh import DrawGroup, draw_groups_of
 from .piped_script import PipedScript
 from .say import say
 
@@ -25,16 +25,16 @@ STALE = ("tiles/tile_*.baked", "tiles/tile_*.scn", "models/*", INDEX, OLD_INDEX,
 class Meshes:
     """The indices of the tiles' meshes and materials, in the order in which they were sent to the engine."""
 
-    def __init__(self, bake: Bake, folder: Path, inside: str, engine: PipedScript):
-        self._bake, self._folder, self._inside, self._engine = bake, folder, inside, engine
+    def __init__(self, bake: Bake, folder: Path, project_folder: str, engine: PipedScript):
+        self._bake, self._folder, self._project_folder, self._engine = bake, folder, project_folder, engine
         self._meshes: dict[str, int] = {}
         self._materials: dict[str, int] = {}
 
     def mesh(self, path: str) -> int:
         if path not in self._meshes:
-            inside = self._in_project(path)
-            own = inside if inside != path else f"{self._inside}/models/mesh_{len(self._meshes)}.res"
-            self._engine.ask({"do": "mesh", "path": inside, "own": own})
+            source = self._in_project(path)
+            target = source if source != path else f"{self._project_folder}/models/mesh_{len(self._meshes)}.res"
+            self._engine.ask({"do": "mesh", "path": source, "own": target})
             self._meshes[path] = len(self._meshes)
         return self._meshes[path]
 
@@ -53,54 +53,54 @@ class Meshes:
             return path
         source = self._bake.model_file(path)
         (self._folder / "models" / source.name).write_bytes(source.read_bytes())
-        return f"{self._inside}/models/{source.name}"
+        return f"{self._project_folder}/models/{source.name}"
 
 
-def level_nodes(drawn: Drawn, meshes: Meshes, start: int, number: int) -> list[dict]:
+def level_nodes(group: DrawGroup, meshes: Meshes, start: int, index: int) -> list[dict]:
     """Returns the nodes that write_tiles.gd must create for one part of a tile, one for each LOD. They share the buffer
-    of `drawn`, which begins at byte `start`.
+    of `group`, which begins at byte `start`.
 
     The engine measures the distance to the center of a node, but the nearest instance determines the required LOD. Therefore,
     the distances at which each LOD begins and ends are increased by the reach of the part."""
-    layer, levels = drawn.layer, drawn.layer.models[drawn.model].levels
+    layer, levels = group.layer, group.layer.models[group.model].levels
     entry = {
-        "count": drawn.count, "from": start, "to": start + drawn.buffer.nbytes, "use_colors": layer.colored, "use_custom_data": layer.custom_data,
+        "count": group.count, "from": start, "to": start + group.buffer.nbytes, "use_colors": layer.colored, "use_custom_data": layer.custom_data,
         "cast_shadow": layer.cast_shadow, "render_layers": layer.render_layers, "material": meshes.material(layer.material),
     }  # fmt: skip
-    last = layer.view_distance or np.inf
-    ends = [*(min(level.begin, last) for level in levels[1:]), last]
+    view_end = layer.view_distance or np.inf
+    ends = [*(min(level.begin, view_end) for level in levels[1:]), view_end]
     if len(levels) > 1:
-        entry |= {"least": drawn.least.tolist(), "greatest": drawn.greatest.tolist(), "largest_scale": drawn.largest_scale}
+        entry |= {"least": group.least.tolist(), "greatest": group.greatest.tolist(), "largest_scale": group.largest_scale}
         entry["meshes"] = [meshes.mesh(level.path) for level in levels if level.path]
     nodes = []
     for lod, (level, end) in enumerate(zip(levels, ends)):
         if level.path and level.begin < end:
-            name = f"{layer.name}_{drawn.model}_{number}" + (f"_LOD{lod}" if len(levels) > 1 else "")
-            begin = level.begin + drawn.reach if lod else 0.0
-            end = end + drawn.reach if np.isfinite(end) else 0.0
+            name = f"{layer.name}_{group.model}_{index}" + (f"_LOD{lod}" if len(levels) > 1 else "")
+            begin = level.begin + group.reach if lod else 0.0
+            end = end + group.reach if np.isfinite(end) else 0.0
             nodes.append({**entry, "name": name, "mesh": meshes.mesh(level.path), "begin": begin, "end": end})
     return nodes
 
 
-def write_tile(bake: Bake, tile: Tile, inside: str, cell: float, meshes: Meshes, engine: PipedScript) -> None:
-    nodes, parts, size = [], [], 0
-    for number, drawn in enumerate(drawn_of(bake, tile, read_tile(tile), cell)):
-        nodes += level_nodes(drawn, meshes, size, number)
-        parts.append(drawn.buffer.tobytes())
-        size += drawn.buffer.nbytes
-    job = {"do": "tile", "file": f"{inside}/{tile_file(tile)}", "tile": [tile.x, tile.z], "instances": tile.rows}
-    engine.ask({**job, "scene_digest": bake.scene_digest, "nodes": nodes}, b"".join(parts))
+def write_tile(bake: Bake, tile: Tile, project_folder: str, cell: float, meshes: Meshes, engine: PipedScript) -> None:
+    nodes, buffers, size = [], [], 0
+    for index, group in enumerate(draw_groups_of(bake, tile, read_tile(tile), cell)):
+        nodes += level_nodes(group, meshes, size, index)
+        buffers.append(group.buffer.tobytes())
+        size += group.buffer.nbytes
+    job = {"do": "tile", "file": f"{project_folder}/{tile_file(tile)}", "tile": [tile.x, tile.z], "instances": tile.rows}
+    engine.ask({**job, "scene_digest": bake.scene_digest, "nodes": nodes}, b"".join(buffers))
 
 
 def tile_file(tile: Tile) -> str:
     return f"tiles/tile_{tile.x}_{tile.z}.baked"
 
 
-def write_world(bake: Bake, inside: str, tiles: list[Tile], engine: PipedScript) -> None:
+def write_world(bake: Bake, project_folder: str, tiles: list[Tile], engine: PipedScript) -> None:
     payload = np.array([[tile.x, tile.z] for tile in tiles], "<i4").reshape(-1, 2).tobytes()
     payload += np.array([tile.rows for tile in tiles], "<i4").tobytes()
     payload += np.array([center_of(bake, tile) for tile in tiles], "<f8").reshape(-1, 3).tobytes()
-    job = {"do": "world", "index": f"{inside}/{INDEX}", "scene": f"{inside}/{WORLD}", "count": len(tiles)}
+    job = {"do": "world", "index": f"{project_folder}/{INDEX}", "scene": f"{project_folder}/{WORLD}", "count": len(tiles)}
     job |= {"scene_digest": bake.scene_digest, "tile_size": bake.tile_size, "world_offset": list(bake.world_offset)}
     engine.ask({**job, "layer_names": [layer.name for layer in bake.layers]}, payload)
 
@@ -137,25 +137,25 @@ def write_scenes(bake: Bake, folder: Path, cell: float) -> None:
     written last, so an export without it is incomplete."""
     project = project_of(folder)
     check_folder(bake, folder)
-    for part in ("tiles", "models"):
-        (folder / part).mkdir(parents=True, exist_ok=True)
+    for subfolder in ("tiles", "models"):
+        (folder / subfolder).mkdir(parents=True, exist_ok=True)
     (folder / ".unfinished").touch()
     empty(folder)
-    inside = "res://" + folder.relative_to(project).as_posix().removeprefix(".")
-    inside = inside.rstrip("/") if inside != "res://" else inside
+    project_folder = "res://" + folder.relative_to(project).as_posix().removeprefix(".")
+    project_folder = project_folder.rstrip("/") if project_folder != "res://" else project_folder
     tiles = [tile for tile in bake.tiles if tile.rows]
     with PipedScript(project, SCRIPT) as engine:
-        meshes = Meshes(bake, folder, inside, engine)
-        for number, tile in enumerate(tiles):
-            write_tile(bake, tile, inside, cell, meshes, engine)
-            if (number + 1) % 100 == 0 or number + 1 == len(tiles):
-                say(f"{number + 1} of {len(tiles)} tiles")
-        write_world(bake, inside, tiles, engine)
+        meshes = Meshes(bake, folder, project_folder, engine)
+        for position, tile in enumerate(tiles):
+            write_tile(bake, tile, project_folder, cell, meshes, engine)
+            if (position + 1) % 100 == 0 or position + 1 == len(tiles):
+                say(f"{position + 1} of {len(tiles)} tiles")
+        write_world(bake, project_folder, tiles, engine)
         for name in (INDEX, WORLD):
             if not (folder / name).is_file():
                 raise BakeError(f"Godot did not write {folder / name}; check that {project} has the add-on of this checkout. Its output:\n{engine.printed()}")
     (folder / ".unfinished").unlink()
-    say(f"{inside}/{WORLD} streams {bake.rows} instances in {len(tiles)} tiles")
+    say(f"{project_folder}/{WORLD} streams {bake.rows} instances in {len(tiles)} tiles")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -163,8 +163,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cell", type=float, default=64.0, metavar="METERS", help="the maximum size of the cells into which layers with levels of detail are divided (64)")
 
 
-def export(chosen: argparse.Namespace) -> None:
+def export(options: argparse.Namespace) -> None:
     """Exports the bake. Raises BakeError for an invalid option before it writes anything."""
-    if not (np.isfinite(chosen.cell) and chosen.cell > 0):
-        raise BakeError(f"--cell must be above 0 m, got {chosen.cell}")
-    write_scenes(open_bake(chosen.bake, chosen.verify), chosen.folder.resolve(), chosen.cell)
+    if not (np.isfinite(options.cell) and options.cell > 0):
+        raise BakeError(f"--cell must be above 0 m, got {options.cell}")
+    write_scenes(open_bake(options.bake, options.verify), options.folder.resolve(), options.cell)

@@ -52,18 +52,18 @@ class GrayPng:
             png.write_chunk(self._file, b"IDAT", data)
 
 
-def most_in_a_pixel(radius: float, meters: float) -> int:
+def max_in_a_pixel(radius: float, meters: float) -> int:
     """Returns the maximum number of points in a square with edges of `meters` if any two of them are at least `radius` apart
     (N. Oler, 1961, An inequality in the geometry of numbers)."""
-    share = meters / radius
-    return math.floor(2 / math.sqrt(3) * share * share + 2 * share + 1)
+    ratio = meters / radius
+    return math.floor(2 / math.sqrt(3) * ratio * ratio + 2 * ratio + 1)
 
 
 def gray_of_one(layer: Layer, meters: float, bits: int) -> float:
     """Returns the gray value of one instance. The value is an integer if possible, so that a program can compute exact
     counts from a map. The largest possible number of points in a pixel is at most white."""
-    white, most = 2**bits - 1, most_in_a_pixel(layer.radius, meters)
-    return white // most if most <= white else white / most
+    white, max_count = 2**bits - 1, max_in_a_pixel(layer.radius, meters)
+    return white // max_count if max_count <= white else white / max_count
 
 
 class Map:
@@ -93,14 +93,14 @@ class Map:
         # Each pixel takes 4 bytes for its count, and 8 bytes for the sum of a batch of rows. Encoding takes as much memory
         # as the sum, but not at the same time.
         row_bytes = self.width * len(self._bake.layers) * 12
-        most = memory // row_bytes
-        if most < 1:
+        max_rows = memory // row_bytes
+        if max_rows < 1:
             raise BakeError(
                 f"--memory must be {row_bytes / 1e6:g} MB or more for a row of {self.width} pixels in {len(self._bake.layers)} layers, "
                 f"got {memory / 1e6:g} MB; increase it, or choose a larger value for --meters"
             )
-        for first in range(0, self.height, most):
-            band = np.zeros((len(self._bake.layers), min(most, self.height - first), self.width), np.uint32)
+        for first in range(0, self.height, max_rows):
+            band = np.zeros((len(self._bake.layers), min(max_rows, self.height - first), self.width), np.uint32)
             for tile in self._bake.tiles:
                 if tile.rows and (tile.bounds is None or self._meets(tile, first, first + band.shape[1])):
                     self._count(tile, first, band)
@@ -113,13 +113,13 @@ class Map:
         for batch in read_batches(tile, ["layer", "x", "z"], BATCH):
             slots, rows = self._slots[batch["layer"]], self.rows(batch["z"]) - first
             if (slots < 0).any():
-                unknown = batch["layer"][slots < 0][0]
-                raise BakeError(f"{tile.file} has instances of layer {unknown}, which is not in the manifest; {tile.remedy}")
+                unknown_layer = batch["layer"][slots < 0][0]
+                raise BakeError(f"{tile.file} has instances of layer {unknown_layer}, which is not in the manifest; {tile.remedy}")
             columns = self.columns(batch["x"])
-            inside = (rows >= 0) & (rows < band.shape[1])
-            for slot in np.unique(slots[inside]):
-                here = inside & (slots == slot)
-                _add(band[slot], rows[here], columns[here])
+            in_band = (rows >= 0) & (rows < band.shape[1])
+            for slot in np.unique(slots[in_band]):
+                in_slot = in_band & (slots == slot)
+                _add(band[slot], rows[in_slot], columns[in_slot])
 
 
 def _add(counts: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> None:
@@ -134,12 +134,12 @@ def file_names(layers: tuple[Layer, ...]) -> list[str]:
     return [f"{layer.index}_{re.sub(r'[^A-Za-z0-9]+', '_', layer.name).strip('_') or 'layer'}.png" for layer in layers]
 
 
-def usual_meters(bake: Bake) -> float:
+def default_meters(bake: Bake) -> float:
     """Returns the default width of a pixel in meters: the smallest number 1, 2, 5, 10, 20, ... with which the longer
     side of the map has at most LONGEST pixels."""
-    wanted = max(1.0, max(bake.rect[2:]) / LONGEST)
-    power = 10.0 ** math.floor(math.log10(wanted))
-    return next(power * factor for factor in (1, 2, 5, 10) if power * factor >= wanted)
+    minimum = max(1.0, max(bake.rect[2:]) / LONGEST)
+    power = 10.0 ** math.floor(math.log10(minimum))
+    return next(power * factor for factor in (1, 2, 5, 10) if power * factor >= minimum)
 
 
 def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, progress: Callable[[float], None]) -> None:
@@ -153,7 +153,7 @@ def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, 
     with ExitStack() as stack:
         files = [stack.enter_context(whole_file(folder / name)) for name in names]
         writers = [GrayPng(file, plan.width, plan.height, bits) for file in files]
-        done = 0
+        finished_rows = 0
         for band in plan.bands(memory):
             for slot, writer in enumerate(writers):
                 for start in range(0, band.shape[1], 64):
@@ -162,17 +162,17 @@ def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, 
                     totals[slot] += counts.sum(dtype=np.int64)
                     clipped[slot] += (values > white).sum()
                     writer.write(values.clip(0, white))
-            done += band.shape[1]
-            progress(done / plan.height)
+            finished_rows += band.shape[1]
+            progress(finished_rows / plan.height)
         for writer in writers:
             writer.end()
-    described = [
-        {"file": name, "layer": layer.index, "name": layer.name, "gray_of_one": gray, "instances": int(total), "pixels_beyond_white": int(beyond)}
-        for name, layer, gray, total, beyond in zip(names, bake.layers, grays, totals, clipped)
+    entries = [
+        {"file": name, "layer": layer.index, "name": layer.name, "gray_of_one": gray, "instances": int(total), "pixels_beyond_white": int(clipped_count)}
+        for name, layer, gray, total, clipped_count in zip(names, bake.layers, grays, totals, clipped)
     ]
-    about = {"scene": bake.scene, "scene_digest": bake.scene_digest, "rect": bake.rect, "meters_a_pixel": meters, "width": plan.width}
-    write_whole(folder / "maps.json", json.dumps({**about, "height": plan.height, "bits": bits, "maps": described}, indent=1).encode())
-    for entry in described:
+    description = {"scene": bake.scene, "scene_digest": bake.scene_digest, "rect": bake.rect, "meters_a_pixel": meters, "width": plan.width}
+    write_whole(folder / "maps.json", json.dumps({**description, "height": plan.height, "bits": bits, "maps": entries}, indent=1).encode())
+    for entry in entries:
         if entry["pixels_beyond_white"]:
             say(f"{entry['file']}: {entry['pixels_beyond_white']} pixels have more instances than the layer's radius allows and are white; choose a smaller value for --meters to distinguish them")
 
@@ -184,13 +184,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--memory", type=float, default=256.0, metavar="MB", help="the approximate memory to use (256)")
 
 
-def export(chosen: argparse.Namespace) -> None:
+def export(options: argparse.Namespace) -> None:
     """Writes the maps. Raises BakeError for an invalid option before it writes anything."""
-    bake = open_bake(chosen.bake, chosen.verify)
-    meters = usual_meters(bake) if chosen.meters is None else chosen.meters
+    bake = open_bake(options.bake, options.verify)
+    meters = default_meters(bake) if options.meters is None else options.meters
     if not (math.isfinite(meters) and meters > 0):
         raise BakeError(f"--meters must be above 0 m, got {meters}")
-    if not (math.isfinite(chosen.memory) and chosen.memory > 0):
-        raise BakeError(f"--memory must be above 0 MB, got {chosen.memory}")
-    write_maps(bake, chosen.folder, meters, chosen.bits, int(chosen.memory * 1e6), lambda share: say(f"{share:.0%}"))
-    say(f"wrote {len(bake.layers)} maps to {chosen.folder}, {meters:g} m per pixel")
+    if not (math.isfinite(options.memory) and options.memory > 0):
+        raise BakeError(f"--memory must be above 0 MB, got {options.memory}")
+    write_maps(bake, options.folder, meters, options.bits, int(options.memory * 1e6), lambda fraction: say(f"{fraction:.0%}"))
+    say(f"wrote {len(bake.layers)} maps to {options.folder}, {meters:g} m per pixel")

@@ -37,8 +37,8 @@ class Models:
         """Exports all models with the engine. Reports models that cannot be exported and replaces them with pyramids."""
         paths = {self.path(layer, model) for layer in self._bake.layers for model in range(len(layer.models))} - {""}
         with tempfile.TemporaryDirectory(prefix="thicket_") as folder, PipedScript(project, SCRIPT) as engine:
-            for number, path in enumerate(sorted(paths)):
-                file = Path(folder) / f"{number}.glb"
+            for index, path in enumerate(sorted(paths)):
+                file = Path(folder) / f"{index}.glb"
                 try:
                     reason = engine.ask({"path": self._reachable(path, Path(folder)), "file": str(file)})["reason"]
                     self._files[path] = read_glb(file.read_bytes()) if not reason else None
@@ -76,8 +76,8 @@ class Models:
     def reach(self, layer: Layer, model: int) -> float:
         """Returns the distance from the model's origin to the farthest corner of its bounding box."""
         content, _ = self.file(layer, model)
-        places = (content["accessors"][primitive["attributes"]["POSITION"]] for primitive in content["meshes"][0]["primitives"])
-        corners = np.array([corner for accessor in places for corner in (accessor["min"], accessor["max"])])
+        accessors = (content["accessors"][primitive["attributes"]["POSITION"]] for primitive in content["meshes"][0]["primitives"])
+        corners = np.array([corner for accessor in accessors for corner in (accessor["min"], accessor["max"])])
         return float(np.linalg.norm(np.abs(corners).max(axis=0)))
 
 
@@ -87,17 +87,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the Godot project with the models (the demo)")
 
 
-def check_options(chosen: argparse.Namespace) -> None:
+def check_options(options: argparse.Namespace) -> None:
     """Raises BakeError for an invalid option."""
-    if chosen.lod < 0:
-        raise BakeError(f"--lod must be 0 or more, got {chosen.lod}")
-    if not chosen.stand_ins and not (chosen.project / "project.godot").is_file():
-        raise BakeError(f"--project must be a folder with a project.godot, got {chosen.project}; choose a Godot project, or use --stand-ins")
+    if options.lod < 0:
+        raise BakeError(f"--lod must be 0 or more, got {options.lod}")
+    if not options.stand_ins and not (options.project / "project.godot").is_file():
+        raise BakeError(f"--project must be a folder with a project.godot, got {options.project}; choose a Godot project, or use --stand-ins")
 
 
-def chosen_models(bake: Bake, chosen: argparse.Namespace) -> Models:
+def models_to_export(bake: Bake, options: argparse.Namespace) -> Models:
     """Returns the models as the options specify."""
-    models = Models(bake, chosen.lod)
-    if not chosen.stand_ins:
-        models.make(chosen.project)
+    models = Models(bake, options.lod)
+    if not options.stand_ins:
+        models.make(options.project)
     return models

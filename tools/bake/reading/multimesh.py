@@ -10,13 +10,13 @@ import numpy as np
 from .bake import Bake, Instances, Layer, Tile, center_of, groups_of
 
 TRANSFORM_FLOATS = 12
-MORE_FLOATS = 4  # The number of floats of a color or of custom data.
+EXTRA_FLOATS = 4  # The number of floats of a color or of custom data.
 SMALLEST_CELL = 16.0  # The minimum edge length of a cell in meters.
 FAR_TILES = 4  # The distance, in tiles, at which a whole tile may appear in one step.
 
 
 @dataclass(frozen=True)
-class Drawn:
+class DrawGroup:
     """Instances of one model that are drawn together, in a tile or in one of its cells."""
 
     layer: Layer
@@ -33,8 +33,8 @@ class Drawn:
         return float(np.linalg.norm(self.greatest - self.least) / 2)
 
 
-def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, *more: np.ndarray) -> np.ndarray:
-    """Returns the content of MultiMesh.buffer: n by 12 floats, and 4 more for each array in `more` (colors, then custom
+def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, *extra: np.ndarray) -> np.ndarray:
+    """Returns the content of MultiMesh.buffer: n by 12 floats, and 4 more for each array in `extra` (colors, then custom
     data). The 12 floats are the rows of the basis, each followed by a coordinate of the position. `positions` are n by
     3 in double precision, relative to a nearby origin."""
     x, y, z, w = (rotations / np.linalg.norm(rotations, axis=1, keepdims=True)).astype(np.float64).T
@@ -42,13 +42,13 @@ def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, 
     basis[:, 0] = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=1)
     basis[:, 1] = np.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)], axis=1)
     basis[:, 2] = np.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], axis=1)
-    buffer = np.empty((len(positions), TRANSFORM_FLOATS + MORE_FLOATS * len(more)), np.float32)
+    buffer = np.empty((len(positions), TRANSFORM_FLOATS + EXTRA_FLOATS * len(extra)), np.float32)
     rows = buffer[:, :TRANSFORM_FLOATS].reshape(-1, 3, 4)
     rows[:, :, :3] = basis * scales[:, None, :]
     rows[:, :, 3] = positions
-    for number, values in enumerate(more):
-        start = TRANSFORM_FLOATS + MORE_FLOATS * number
-        buffer[:, start : start + MORE_FLOATS] = values
+    for index, values in enumerate(extra):
+        start = TRANSFORM_FLOATS + EXTRA_FLOATS * index
+        buffer[:, start : start + EXTRA_FLOATS] = values
     return buffer
 
 
@@ -64,18 +64,18 @@ def parts_of(bake: Bake, layer: Layer, model: int, cell: float) -> int:
     return max(1, round(bake.tile_size / min(cell, max(SMALLEST_CELL, 2 * nearest))))
 
 
-def drawn_of(bake: Bake, tile: Tile, instances: Instances, cell: float) -> Iterator[Drawn]:
+def draw_groups_of(bake: Bake, tile: Tile, instances: Instances, cell: float) -> Iterator[DrawGroup]:
     """Yields the parts of a tile to draw: for each layer and model, one part for the tile or one for each cell with
     instances."""
     local = instances.positions - center_of(bake, tile)
     for layer, model, rows in groups_of(bake, tile, instances):
-        parts = parts_of(bake, layer, model, cell)
-        along = np.floor((local[rows][:, [0, 2]] / bake.tile_size + 0.5) * parts).clip(0, parts - 1).astype(np.int64)
-        keys = along[:, 0] + parts * along[:, 1]
+        cell_count = parts_of(bake, layer, model, cell)
+        cells = np.floor((local[rows][:, [0, 2]] / bake.tile_size + 0.5) * cell_count).clip(0, cell_count - 1).astype(np.int64)
+        keys = cells[:, 0] + cell_count * cells[:, 1]
         for key in np.unique(keys):
-            chosen = rows[keys == key]
-            more = [instances.colors[chosen] / np.float32(255)] if layer.colored else []
-            more += [instances.custom[chosen]] if layer.custom_data else []
-            here, scales = local[chosen], instances.scales[chosen]
-            buffer = buffer_of(here, instances.rotations[chosen], scales, *more)
-            yield Drawn(layer, model, len(chosen), buffer, here.min(axis=0), here.max(axis=0), float(np.abs(scales).max()))
+            selected_rows = rows[keys == key]
+            extra = [instances.colors[selected_rows] / np.float32(255)] if layer.colored else []
+            extra += [instances.custom[selected_rows]] if layer.custom_data else []
+            positions, scales = local[selected_rows], instances.scales[selected_rows]
+            buffer = buffer_of(positions, instances.rotations[selected_rows], scales, *extra)
+            yield DrawGroup(layer, model, len(selected_rows), buffer, positions.min(axis=0), positions.max(axis=0), float(np.abs(scales).max()))

@@ -20,18 +20,18 @@ def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
     parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="export only these tiles")
 
 
-def chosen_tiles(bake: Bake, wanted: list[str]) -> list[Tile]:
-    """Returns the tiles that have rows, limited to those in `wanted` if that list is not empty. Names have the form
+def tiles_to_export(bake: Bake, names: list[str]) -> list[Tile]:
+    """Returns the tiles that have rows, limited to those in `names` if that list is not empty. Names have the form
     I,J. Raises BakeError for an unknown name."""
-    known = {str(tile): tile for tile in bake.tiles}
-    for name in wanted:
-        if name not in known:
-            raise BakeError(f"--tiles: the bake has no tile {name}; its first tile is {next(iter(known), 'none')}, in the form I,J")
-    return [tile for tile in ([known[name] for name in wanted] or bake.tiles) if tile.rows]
+    tiles = {str(tile): tile for tile in bake.tiles}
+    for name in names:
+        if name not in tiles:
+            raise BakeError(f"--tiles: the bake has no tile {name}; its first tile is {next(iter(tiles), 'none')}, in the form I,J")
+    return [tile for tile in ([tiles[name] for name in names] or bake.tiles) if tile.rows]
 
 
 def vector(text: str) -> np.ndarray:
-    numbers = [float(part) for part in text.split(",")] if re.fullmatch(r"[-+.,\deE]+", text) else []
+    numbers = [float(component) for component in text.split(",")] if re.fullmatch(r"[-+.,\deE]+", text) else []
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
         raise argparse.ArgumentTypeError(f"'{text}' is not X,Y,Z: three finite numbers in meters separated by commas")
     return np.array(numbers)

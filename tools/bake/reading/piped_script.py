@@ -14,7 +14,7 @@ from baking.format import BakeError
 
 SCRIPTS = Path(__file__).with_name("scripts")
 ANSWER = "thicket answer "
-KEPT = 4000  # The maximum length of the quoted engine output, in characters.
+MAX_QUOTED = 4000  # The maximum length of the quoted engine output, in characters.
 
 
 class PipedScript:
@@ -23,22 +23,22 @@ class PipedScript:
     the answer."""
 
     def __init__(self, project: Path, script: str, godot: Path = REPO / "tools/godot"):
-        self._said = tempfile.TemporaryFile()
+        self._error_output = tempfile.TemporaryFile()
         command = [str(godot), "--headless", "--path", str(project), "--script", str(SCRIPTS / script)]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._said)
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._error_output)
 
     def __enter__(self) -> PipedScript:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, error_type: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         try:
             self._process.stdin.close()  # Signals the end of the jobs to the script.
-            self._process.wait(60 if kind is None else 1)
+            self._process.wait(60 if error_type is None else 1)
         except (OSError, subprocess.TimeoutExpired):
             self._process.kill()
             self._process.wait()
         self._process.stdout.close()
-        self._said.close()
+        self._error_output.close()
 
     def ask(self, job: dict, payload: bytes | memoryview = b"") -> dict:
         """Sends a job and returns its answer. Raises BakeError if the script reports an error, or if the engine ends
@@ -49,20 +49,20 @@ class PipedScript:
             self._process.stdin.write(payload)
             self._process.stdin.flush()
         except BrokenPipeError:
-            raise self._ended() from None
+            raise self._end_error() from None
         for line in self._process.stdout:
             if line.startswith(ANSWER.encode()):
                 answer = json.loads(line[len(ANSWER) :])
                 if problem := answer.get("problem"):
                     raise BakeError(problem)
                 return answer
-        raise self._ended()
+        raise self._end_error()
 
-    def _ended(self) -> BakeError:
+    def _end_error(self) -> BakeError:
         self._process.wait()
         return BakeError(f"Godot ended with status {self._process.returncode} before its work was done. Its output:\n{self.printed()}")
 
     def printed(self) -> str:
         """Returns the end of the engine's error output so far."""
-        self._said.seek(0)
-        return self._said.read().decode(errors="replace")[-KEPT:]
+        self._error_output.seek(0)
+        return self._error_output.read().decode(errors="replace")[-MAX_QUOTED:]

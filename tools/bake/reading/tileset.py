@@ -16,7 +16,7 @@ ERROR = 1 / 8
 
 
 @dataclass(frozen=True)
-class Placed:
+class ExportedTile:
     """A tile that was exported."""
 
     x: int
@@ -26,14 +26,14 @@ class Placed:
     high: np.ndarray
 
 
-def write_tileset(folder: Path, tiles: list[Placed], tile_size: float) -> None:
+def write_tileset(folder: Path, tiles: list[ExportedTile], tile_size: float) -> None:
     """Writes the tileset. If that fails, raises CannotWrite and keeps the old file."""
     root = _tree(tiles, tile_size)
     content = {"asset": {"version": "1.1", "generator": "Thicket"}, "geometricError": 2.0 * root["geometricError"] + tile_size, "root": {**root, "refine": "ADD"}}
     write_whole(folder / TILESET, json.dumps(content, separators=(",", ":")).encode())
 
 
-def _tree(tiles: list[Placed], tile_size: float) -> dict:
+def _tree(tiles: list[ExportedTile], tile_size: float) -> dict:
     """Returns the root of a quadtree whose leaves are the tiles."""
     first_x, first_z = min(tile.x for tile in tiles), min(tile.z for tile in tiles)
     nodes = {
@@ -46,9 +46,9 @@ def _tree(tiles: list[Placed], tile_size: float) -> dict:
         for (x, z), node in nodes.items():
             groups.setdefault((x >> 1, z >> 1), []).append(node)
         nodes = {}
-        for at, group in groups.items():
-            low, high = np.min([each[1] for each in group], axis=0), np.max([each[2] for each in group], axis=0)
-            nodes[at] = _node(low, high, ERROR * size, {"children": [each[0] for each in group]}), low, high
+        for cell, group in groups.items():
+            low, high = np.min([node[1] for node in group], axis=0), np.max([node[2] for node in group], axis=0)
+            nodes[cell] = _node(low, high, ERROR * size, {"children": [node[0] for node in group]}), low, high
     return next(iter(nodes.values()))[0]
 
 

@@ -14,9 +14,9 @@ from baking.whole_file import PART, CannotWrite, write_whole
 
 from .bake import Bake, Instances, Layer, Tile, center_of, groups_of, open_bake, read_tile
 from .glb import read_accessor
-from .models import Models, check_options, chosen_models
+from .models import Models, check_options, models_to_export
 from .models import add_options as add_model_options
-from .options import add_folder, chosen_tiles, vector
+from .options import add_folder, tiles_to_export, vector
 from .say import say
 
 try:
@@ -50,11 +50,11 @@ class Prototypes:
     def _add(self, path: str, content: dict, binary: bytes) -> None:
         prim = UsdGeom.Xform.Define(self.file.stage, path).GetPrim()
         Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
-        for number, primitive in enumerate(content["meshes"][0]["primitives"]):
+        for index, primitive in enumerate(content["meshes"][0]["primitives"]):
             def read(name: str, attributes: dict = primitive["attributes"]) -> np.ndarray | None:
                 return read_accessor(content, binary, attributes[name]) if name in attributes else None
 
-            mesh = UsdGeom.Mesh.Define(self.file.stage, f"{path}/Mesh_{number}")
+            mesh = UsdGeom.Mesh.Define(self.file.stage, f"{path}/Mesh_{index}")
             points = read("POSITION")
             indices = read_accessor(content, binary, primitive["indices"]).ravel() if "indices" in primitive else np.arange(len(points))
             mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points, np.float32)))
@@ -74,11 +74,11 @@ class Prototypes:
             if "material" in primitive:
                 material = content["materials"][primitive["material"]]
                 mesh.CreateDoubleSidedAttr(material.get("doubleSided", False))
-                UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(self._material(f"{path}/Material_{number}", material, content, binary))
+                UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(self._material(f"{path}/Material_{index}", material, content, binary))
 
     def _material(self, path: str, material: dict, content: dict, binary: bytes) -> UsdShade.Material:
         """Converts a material with its color, roughness, metalness, opacity and color texture."""
-        found = UsdShade.Material.Define(self.file.stage, path)
+        usd_material = UsdShade.Material.Define(self.file.stage, path)
         surface = UsdShade.Shader.Define(self.file.stage, f"{path}/Surface")
         surface.CreateIdAttr("UsdPreviewSurface")
         physical = material.get("pbrMetallicRoughness", {})
@@ -96,8 +96,8 @@ class Prototypes:
             surface.GetInput("diffuseColor").ConnectToSource(texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3))
             if not is_opaque:
                 surface.GetInput("opacity").ConnectToSource(texture.CreateOutput("a", Sdf.ValueTypeNames.Float))
-        found.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", Sdf.ValueTypeNames.Token))
-        return found
+        usd_material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", Sdf.ValueTypeNames.Token))
+        return usd_material
 
     def _texture(self, path: str, content: dict, texture: dict, binary: bytes, color: list[float]) -> UsdShade.Shader:
         """Writes a texture's image, unless another model has the same one, and returns a shader that reads it."""
@@ -135,17 +135,17 @@ class UsdFile:
         self.stage.SetDefaultPrim(self.root)
         self._arcs: list[tuple[Sdf.Path, Sdf.Reference | Sdf.Payload]] = []
 
-    def refer(self, prim: Usd.Prim, to: Sdf.Reference | Sdf.Payload) -> None:
+    def refer(self, prim: Usd.Prim, target: Sdf.Reference | Sdf.Payload) -> None:
         """Adds a reference or payload to a prim. It is stored when the file is written, because the stage would try to open
         the other file."""
-        self._arcs.append((prim.GetPath(), to))
+        self._arcs.append((prim.GetPath(), target))
 
     def write(self, path: Path) -> None:
         """Writes the file completely or not at all. Raises CannotWrite if it cannot be written. The stage is then closed."""
         self.stage = None
-        for at, to in self._arcs:
-            spec = self._layer.GetPrimAtPath(at)
-            (spec.payloadList if isinstance(to, Sdf.Payload) else spec.referenceList).prependedItems.append(to)
+        for prim_path, target in self._arcs:
+            spec = self._layer.GetPrimAtPath(prim_path)
+            (spec.payloadList if isinstance(target, Sdf.Payload) else spec.referenceList).prependedItems.append(target)
         partial = path.with_name(f".{path.stem}.{secrets.token_hex(4)}{PART}{path.suffix}")
         try:
             self._layer.Export(str(partial))
@@ -199,16 +199,16 @@ def _add_instancer(
         prototype.SetInstanceable(True)
         instancer.GetPrototypesRel().AddTarget(prototype.GetPath())
     rows = np.concatenate([rows for _, _, rows in groups])
-    which = np.repeat(np.arange(len(groups), dtype=np.int32), [len(rows) for _, _, rows in groups])
+    prototype_indices = np.repeat(np.arange(len(groups), dtype=np.int32), [len(rows) for _, _, rows in groups])
     order = np.lexsort((instances.ids[rows], instances.ranks[rows]))
-    rows, which = rows[order], which[order]
-    places, scales = (instances.positions[rows] - center).astype(np.float32), instances.scales[rows]
-    instancer.CreateProtoIndicesAttr(Vt.IntArray.FromNumpy(which))
-    instancer.CreatePositionsAttr(Vt.Vec3fArray.FromNumpy(places))
+    rows, prototype_indices = rows[order], prototype_indices[order]
+    positions, scales = (instances.positions[rows] - center).astype(np.float32), instances.scales[rows]
+    instancer.CreateProtoIndicesAttr(Vt.IntArray.FromNumpy(prototype_indices))
+    instancer.CreatePositionsAttr(Vt.Vec3fArray.FromNumpy(positions))
     instancer.CreateOrientationsAttr(Vt.QuathArray.FromNumpy(instances.rotations[rows].astype(np.float16)))
     instancer.CreateScalesAttr(Vt.Vec3fArray.FromNumpy(scales))
-    reach = float(max(np.abs(scales[which == number]).max() * reach for number, reach in enumerate(reaches)))
-    box = places.min(axis=0) - reach, places.max(axis=0) + reach
+    reach = float(max(np.abs(scales[prototype_indices == index]).max() * reach for index, reach in enumerate(reaches)))
+    box = positions.min(axis=0) - reach, positions.max(axis=0) + reach
     instancer.CreateExtentAttr(_extent(*box))
     variables = UsdGeom.PrimvarsAPI(prim)
     # Not `ids` of the instancer: USD 26.11 takes minutes to compress that many 64-bit integers of this kind.
@@ -236,11 +236,11 @@ def write_world(bake: Bake, tiles: list[Tile], folder: Path, models: Models, ori
         path = f"tiles/tile_{tile.x}_{tile.z}.usdc"
         file, extent = tile_file(bake, tile, prototypes, models)
         file.write(folder / path)
-        placed = UsdGeom.Xform.Define(world.stage, "/World/" + f"Tile_{tile.x}_{tile.z}".replace("-", "m"))
-        placed.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(*(center_of(bake, tile) - origin).tolist()))
-        UsdGeom.ModelAPI.Apply(placed.GetPrim()).SetExtentsHint(extent)
-        Usd.ModelAPI(placed.GetPrim()).SetKind(Kind.Tokens.group)
-        world.refer(placed.GetPrim(), Sdf.Payload(f"./{path}"))
+        prim = UsdGeom.Xform.Define(world.stage, "/World/" + f"Tile_{tile.x}_{tile.z}".replace("-", "m"))
+        prim.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(*(center_of(bake, tile) - origin).tolist()))
+        UsdGeom.ModelAPI.Apply(prim.GetPrim()).SetExtentsHint(extent)
+        Usd.ModelAPI(prim.GetPrim()).SetKind(Kind.Tokens.group)
+        world.refer(prim.GetPrim(), Sdf.Payload(f"./{path}"))
     prototypes.file.write(folder / PROTOTYPES)
     world.write(folder / WORLD)
 
@@ -251,12 +251,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
 
 
-def export(chosen: argparse.Namespace) -> None:
+def export(options: argparse.Namespace) -> None:
     """Writes a file for each tile that has rows. Raises BakeError for an invalid option before it writes anything."""
     if Usd is None:
         raise BakeError("The export to USD needs the Python package usd-core; bake_export.sh installs it, unless the package does not exist for this machine")
-    check_options(chosen)
-    bake = open_bake(chosen.bake, chosen.verify)
-    tiles = chosen_tiles(bake, chosen.tiles.split())
-    write_world(bake, tiles, chosen.folder, chosen_models(bake, chosen), chosen.origin)
-    say(f"wrote {sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles to {chosen.folder / WORLD}")
+    check_options(options)
+    bake = open_bake(options.bake, options.verify)
+    tiles = tiles_to_export(bake, options.tiles.split())
+    write_world(bake, tiles, options.folder, models_to_export(bake, options), options.origin)
+    say(f"wrote {sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles to {options.folder / WORLD}")

@@ -37,22 +37,22 @@ def check(tile: Tile) -> None:
             _compare(tile)
             return
         status = tile.file.stat()
-        seen = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns, tile.sha256 or tile.digest)
-        if _verified.get(tile.file) == seen:
+        identity = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns, tile.sha256 or tile.digest)
+        if _verified.get(tile.file) == identity:
             return
         _compare(tile)
     except (OSError, ValueError, pa.ArrowException) as error:
         raise BakeError(f"tile {tile} cannot be read: {error}; {tile.remedy}") from None
     if time.time_ns() - max(status.st_mtime_ns, status.st_ctime_ns) > _SETTLED_NANOSECONDS:
-        _verified[tile.file] = seen
+        _verified[tile.file] = identity
 
 
 def _compare(tile: Tile) -> None:
-    found = _bytes_digest(tile.file) if tile.sha256 else _rows_digest(tile.file)
-    if found != (tile.sha256 or tile.digest):
-        what = "SHA-256" if tile.sha256 else "digest of rows"
+    digest = _bytes_digest(tile.file) if tile.sha256 else _rows_digest(tile.file)
+    if digest != (tile.sha256 or tile.digest):
+        digest_name = "SHA-256" if tile.sha256 else "digest of rows"
         raise BakeError(
-            f"tile {tile} is damaged or belongs to another bake: {tile.file} has the {what} {found}, but the manifest has {tile.sha256 or tile.digest}; "
+            f"tile {tile} is damaged or belongs to another bake: {tile.file} has the {digest_name} {digest}, but the manifest has {tile.sha256 or tile.digest}; "
             f"{tile.remedy}, or skip the check with --no-verify"
         )
 
@@ -65,8 +65,8 @@ def parquet_file(path: Location) -> pq.ParquetFile:
 def _bytes_digest(path: Location) -> str:
     hashing = hashlib.sha256()
     with path.open("rb") as file:
-        while part := file.read(_CHUNK):
-            hashing.update(part)
+        while chunk := file.read(_CHUNK):
+            hashing.update(chunk)
     return hashing.hexdigest()
 
 

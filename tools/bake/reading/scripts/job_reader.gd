@@ -3,7 +3,7 @@ extends RefCounted
 ## 4 bytes, the string, which encodes a dictionary, and as many bytes as the dictionary's "bytes" field specifies.
 
 const ANSWER := "thicket answer "
-const MOST_AT_ONCE := 1 << 20
+const MAX_CHUNK := 1 << 20
 
 ## The last job.
 var job: Dictionary = {}
@@ -22,15 +22,15 @@ func read() -> bool:
 
 
 ## Sends the answer to the last job.
-func answer(what: Dictionary) -> void:
-	print(ANSWER, JSON.stringify(what))
+func answer(content: Dictionary) -> void:
+	print(ANSWER, JSON.stringify(content))
 
 
 func _read(count: int) -> PackedByteArray:
 	var result := PackedByteArray()
 	while result.size() < count:
-		var part := OS.read_buffer_from_stdin(mini(count - result.size(), MOST_AT_ONCE))
-		if part.is_empty():
+		var chunk := OS.read_buffer_from_stdin(mini(count - result.size(), MAX_CHUNK))
+		if chunk.is_empty():
 			break
-		result.append_array(part)
+		result.append_array(chunk)
 	return result

@@ -7,15 +7,15 @@ var problem := ""
 
 ## Returns the mesh at [param path], or the finest LOD if it is a scene. On failure, returns null and sets [member problem].
 func mesh_at(path: String) -> Mesh:
-	var found: Resource = ResourceLoader.load(path) if ResourceLoader.exists(path) else null
-	if found is Mesh:
-		return found
-	if found is PackedScene:
-		return _finest(found, path)
-	if found == null:
+	var resource: Resource = ResourceLoader.load(path) if ResourceLoader.exists(path) else null
+	if resource is Mesh:
+		return resource
+	if resource is PackedScene:
+		return _finest(resource, path)
+	if resource == null:
 		problem = "%s cannot be loaded: check that it is in the project." % path
 	else:
-		problem = "%s must be a mesh or a scene, but is a %s." % [path, found.get_class()]
+		problem = "%s must be a mesh or a scene, but is a %s." % [path, resource.get_class()]
 	return null
 
 

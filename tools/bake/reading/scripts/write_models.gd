@@ -28,7 +28,7 @@ func _write(mesh: Mesh, file: String) -> String:
 	for surface: int in mesh.get_surface_count():
 		var material := mesh.surface_get_material(surface)
 		if material is ShaderMaterial:
-			instance.set_surface_override_material(surface, _plain(material))
+			instance.set_surface_override_material(surface, _standard_material(material))
 	scene.add_child(instance)
 	var state := GLTFState.new()
 	var document := GLTFDocument.new()
@@ -41,18 +41,18 @@ func _write(mesh: Mesh, file: String) -> String:
 
 ## Converts a shader material to a standard material, because glTF has no shaders. Keeps only the vertex colors, and a color and a texture if their
 ## parameters have common names.
-func _plain(shaded: ShaderMaterial) -> StandardMaterial3D:
-	var plain := StandardMaterial3D.new()
-	plain.resource_name = shaded.resource_name
-	plain.vertex_color_use_as_albedo = true
-	plain.cull_mode = BaseMaterial3D.CULL_DISABLED
-	if shaded.shader == null:
-		return plain
-	var color: Variant = Parameters.value_of(shaded, Parameters.COLORS, TYPE_COLOR)
+func _standard_material(shader_material: ShaderMaterial) -> StandardMaterial3D:
+	var standard_material := StandardMaterial3D.new()
+	standard_material.resource_name = shader_material.resource_name
+	standard_material.vertex_color_use_as_albedo = true
+	standard_material.cull_mode = BaseMaterial3D.CULL_DISABLED
+	if shader_material.shader == null:
+		return standard_material
+	var color: Variant = Parameters.value_of(shader_material, Parameters.COLORS, TYPE_COLOR)
 	if color != null:
-		plain.albedo_color = color
-	var texture: Variant = Parameters.value_of(shaded, Parameters.TEXTURES, TYPE_OBJECT)
+		standard_material.albedo_color = color
+	var texture: Variant = Parameters.value_of(shader_material, Parameters.TEXTURES, TYPE_OBJECT)
 	if texture != null:
-		plain.albedo_texture = texture
-		plain.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR
-	return plain
+		standard_material.albedo_texture = texture
+		standard_material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR
+	return standard_material

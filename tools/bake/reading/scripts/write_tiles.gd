@@ -22,9 +22,9 @@ func _initialize() -> void:
 		var problem := ""
 		match _reader.job.do:
 			"mesh":
-				problem = await _take_mesh(_reader.job)
+				problem = await _add_mesh(_reader.job)
 			"material":
-				problem = _take_material(_reader.job)
+				problem = _add_material(_reader.job)
 			"tile":
 				problem = _write_tile(_reader.job, _reader.payload)
 			"world":
@@ -35,7 +35,7 @@ func _initialize() -> void:
 	quit()
 
 
-func _take_mesh(job: Dictionary) -> String:
+func _add_mesh(job: Dictionary) -> String:
 	var models := Models.new()
 	var mesh := models.mesh_at(job.path)
 	await process_frame
@@ -43,7 +43,7 @@ func _take_mesh(job: Dictionary) -> String:
 	if mesh == null:
 		return models.problem
 	if mesh.resource_path == job.own and mesh is ArrayMesh and mesh.get_script() != null:
-		mesh = _built(mesh)
+		mesh = _without_script(mesh)
 	# Save a mesh that has no file to a file. Otherwise every tile would store the mesh.
 	if mesh.resource_path.is_empty() or "::" in mesh.resource_path:
 		var error := ResourceSaver.save(mesh, job.own, ResourceSaver.FLAG_COMPRESS)
@@ -57,14 +57,14 @@ func _take_mesh(job: Dictionary) -> String:
 
 
 ## Returns a copy of a procedural mesh without its script, so that a game needs neither the script nor the time to rebuild the mesh.
-func _built(mesh: ArrayMesh) -> ArrayMesh:
-	var plain := ArrayMesh.new()
-	plain.set(&"_surfaces", mesh.get(&"_surfaces"))
-	plain.resource_name = mesh.resource_name
-	return plain
+func _without_script(mesh: ArrayMesh) -> ArrayMesh:
+	var copy := ArrayMesh.new()
+	copy.set(&"_surfaces", mesh.get(&"_surfaces"))
+	copy.resource_name = mesh.resource_name
+	return copy
 
 
-func _take_material(job: Dictionary) -> String:
+func _add_material(job: Dictionary) -> String:
 	var material := ResourceLoader.load(job.path) as Material
 	if material == null:
 		return "%s cannot be loaded as a material: check that it is in the project." % job.path
@@ -93,12 +93,12 @@ func _write_tile(job: Dictionary, payload: PackedByteArray) -> String:
 func _box(entry: Dictionary) -> Array[float]:
 	var least := Vector3(entry.least[0], entry.least[1], entry.least[2])
 	var greatest := Vector3(entry.greatest[0], entry.greatest[1], entry.greatest[2])
-	var reach := 0.0
+	var radius := 0.0
 	for mesh: int in entry.meshes:
 		var box := _meshes[mesh].get_aabb()
 		for corner in 8:
-			reach = maxf(reach, box.get_endpoint(corner).length())
-	var box := AABB(least, greatest - least).grow(reach * float(entry.largest_scale))
+			radius = maxf(radius, box.get_endpoint(corner).length())
+	var box := AABB(least, greatest - least).grow(radius * float(entry.largest_scale))
 	return [box.position.x, box.position.y, box.position.z, box.size.x, box.size.y, box.size.z]
 
 
@@ -131,22 +131,22 @@ func _write(content: PackedByteArray, path: String) -> String:
 	var partial := path + ".partial"
 	var file := FileAccess.open(partial, FileAccess.WRITE)
 	if file == null:
-		return _moved(partial, path, FileAccess.get_open_error())
+		return _finish(partial, path, FileAccess.get_open_error())
 	var error := OK
 	if not file.store_buffer(content):
 		error = ERR_FILE_CANT_WRITE
 	file.close()
-	return _moved(partial, path, error)
+	return _finish(partial, path, error)
 
 
 func _save(resource: Resource, path: String) -> String:
 	var partial := "%s.partial.%s" % [path.get_basename(), path.get_extension()]
-	return _moved(partial, path, ResourceSaver.save(resource, partial, ResourceSaver.FLAG_COMPRESS))
+	return _finish(partial, path, ResourceSaver.save(resource, partial, ResourceSaver.FLAG_COMPRESS))
 
 
 ## Moves a file to its final path if [param error] is OK, which means that the file is complete. Returns an error
 ## message, or "" if there is no error.
-func _moved(partial: String, path: String, error: Error) -> String:
+func _finish(partial: String, path: String, error: Error) -> String:
 	if error == OK:
 		error = DirAccess.rename_absolute(partial, path)
 	return "" if error == OK else UNWRITABLE % [path, error_string(error)]
