@@ -19,9 +19,9 @@ from platforms import ZIG_TARGETS  # noqa: E402
 PROCESSORS = {"x86_64": "x86_64", "arm64": "aarch64"}
 
 
-def command(path: Path, words: str) -> Path:
+def command(path: Path, command_line: str) -> Path:
     """Writes a program that runs another one with more arguments, because CMake expects compilers without arguments."""
-    path.write_text(f'#!/bin/sh\nexec {words} "$@"\n')
+    path.write_text(f'#!/bin/sh\nexec {command_line} "$@"\n')
     path.chmod(0o755)
     return path
 
@@ -54,11 +54,11 @@ def build(arch: str, stub: Path, folder: Path) -> Path:
     (wheel,) = folder.glob("*.whl")
     # For another processor, auditwheel accepts no name of a platform, so it determines the oldest one itself.
     subprocess.run([sys.executable, "-m", "auditwheel", "repair", "--plat", "auto", "--wheel-dir", folder / "checked", wheel], check=True, env=environment)
-    (checked,) = (folder / "checked").glob("*.whl")
+    (repaired,) = (folder / "checked").glob("*.whl")
     glibc = ZIG_TARGETS["linux", arch].rpartition("gnu.")[2].replace(".", "_")
-    if f"manylinux_{glibc}_{processor}" not in checked.name:
-        sys.exit(f"{checked.name} must be a wheel for glibc {glibc}: run auditwheel show to see which symbols are newer")
-    return checked
+    if f"manylinux_{glibc}_{processor}" not in repaired.name:
+        sys.exit(f"{repaired.name} must be a wheel for glibc {glibc}: run auditwheel show to see which symbols are newer")
+    return repaired
 
 
 def main(native: Path, out: Path) -> None:

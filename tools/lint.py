@@ -36,16 +36,16 @@ def tool(name: str) -> str:
 
 
 def sources(*suffixes: str) -> list[Path]:
-    found = [path for room in ("extension", "tests", "python") for path in (REPO / room).rglob("*") if path.suffix in suffixes]
-    return sorted(path for path in found if "node_modules" not in path.parts)
+    paths = [path for folder in ("extension", "tests", "python") for path in (REPO / folder).rglob("*") if path.suffix in suffixes]
+    return sorted(path for path in paths if "node_modules" not in path.parts)
 
 
 def format_sources(check: bool) -> str:
     """Formats the sources. With `check`, leaves them unchanged and returns the lines that formatting would change. Returns ""
     if there is nothing to report."""
     command = [tool("clang-format"), *(["--dry-run", "--Werror"] if check else ["-i"])]
-    done = subprocess.run([*command, *sources(".c", ".cpp", ".h", ".hpp")], capture_output=True, text=True, cwd=REPO, check=False)
-    return done.stderr
+    process = subprocess.run([*command, *sources(".c", ".cpp", ".h", ".hpp")], capture_output=True, text=True, cwd=REPO, check=False)
+    return process.stderr
 
 
 @cache
@@ -69,36 +69,36 @@ def fingerprint(path: Path, command: str) -> str:
     """Returns a hash of everything that may change clang-tidy's result for a source that is compiled by this
     command."""
     digest = hashlib.sha256((text(REPO / ".clang-tidy") + text(REPO / "tests/requirements.txt") + command).encode())
-    for one in sorted(with_headers(path, set())):
-        digest.update(one.relative_to(REPO).as_posix().encode() + b"\0" + text(one).encode())
+    for file in sorted(with_headers(path, set())):
+        digest.update(file.relative_to(REPO).as_posix().encode() + b"\0" + text(file).encode())
     return digest.hexdigest()[:32]
 
 
 def tidy(everything: bool) -> str:
     """Runs clang-tidy. Returns its warnings, or "" if all sources are clean."""
     CLEAN.mkdir(parents=True, exist_ok=True)
-    known = REPO / "build/tidy"
-    known.mkdir(parents=True, exist_ok=True)
+    database_folder = REPO / "build/tidy"
+    database_folder.mkdir(parents=True, exist_ok=True)
     database = json.loads((REPO / "compile_commands.json").read_text(encoding="utf-8"))
     for entry in database:
         entry["command"] = " ".join(word for word in entry["command"].split() if word not in UNKNOWN)
-    (known / "compile_commands.json").write_text(json.dumps(database), encoding="utf-8")
+    (database_folder / "compile_commands.json").write_text(json.dumps(database), encoding="utf-8")
     folders = ("extension/", "tests/") if everything else ("extension/",)
-    named = {REPO / entry["file"]: entry["command"] for entry in database if entry["file"].startswith(folders)}
-    stamps = {path: CLEAN / fingerprint(path, command) for path, command in named.items()}
-    stale = [path for path, stamp in stamps.items() if not stamp.is_file()]
+    commands = {REPO / entry["file"]: entry["command"] for entry in database if entry["file"].startswith(folders)}
+    stamps = {path: CLEAN / fingerprint(path, command) for path, command in commands.items()}
+    unchecked = [path for path, stamp in stamps.items() if not stamp.is_file()]
 
     def check(path: Path) -> str:
         # -w disables clang's compiler warnings, because g++ is the reference for compiler warnings.
-        command = [tool("clang-tidy"), "--quiet", f"-p={known}", "--extra-arg=-w", "--header-filter=/(extension|tests)/", path]
-        done = subprocess.run(command, capture_output=True, text=True, cwd=REPO, check=False)
-        if done.returncode == 0:
+        command = [tool("clang-tidy"), "--quiet", f"-p={database_folder}", "--extra-arg=-w", "--header-filter=/(extension|tests)/", path]
+        process = subprocess.run(command, capture_output=True, text=True, cwd=REPO, check=False)
+        if process.returncode == 0:
             stamps[path].touch()
             return ""
-        return done.stdout or done.stderr
+        return process.stdout or process.stderr
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return "".join(pool.map(check, stale))
+        return "".join(pool.map(check, unchecked))
 
 
 def main() -> int:

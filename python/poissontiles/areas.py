@@ -104,14 +104,14 @@ class DensityMap:
         pixels = (positions - self._corner) / self._size * (limits + 1)
         if not self._linear:
             column, row = np.clip(np.floor(pixels), 0, limits).astype(np.intp).T
-            near: NDArray[np.float64] = self._values[row, column]
-            return near
+            nearest: NDArray[np.float64] = self._values[row, column]
+            return nearest
         pixels = np.clip(pixels - 0.5, 0, limits)
         first = np.minimum(pixels.astype(np.intp), np.maximum(limits - 1, 0))
         column, row = first.T
-        right, above = np.minimum(first + 1, limits).T
-        along, up = (pixels - first).T
-        low = (1 - along) * self._values[row, column] + along * self._values[row, right]
-        high = (1 - along) * self._values[above, column] + along * self._values[above, right]
-        densities: NDArray[np.float64] = np.clip((1 - up) * low + up * high, 0.0, 1.0)
+        next_column, next_row = np.minimum(first + 1, limits).T
+        weight_x, weight_y = (pixels - first).T
+        low = (1 - weight_x) * self._values[row, column] + weight_x * self._values[row, next_column]
+        high = (1 - weight_x) * self._values[next_row, column] + weight_x * self._values[next_row, next_column]
+        densities: NDArray[np.float64] = np.clip((1 - weight_y) * low + weight_y * high, 0.0, 1.0)
         return densities

@@ -42,12 +42,12 @@ def seed_of(seed: Seed) -> int:
 
 def numbers(name: str, value: Numbers, parts: tuple[str, ...]) -> tuple[float, ...]:
     try:
-        converted = tuple(float(each) for each in value)
+        converted = tuple(float(item) for item in value)
     except (TypeError, ValueError):
         converted = ()
     if len(converted) != len(parts):
-        words = {2: "two", 4: "four", 6: "six"}
-        raise TypeError(f"{name} must be {words[len(parts)]} numbers, ({', '.join(parts)}), got {value!r}")
+        count_words = {2: "two", 4: "four", 6: "six"}
+        raise TypeError(f"{name} must be {count_words[len(parts)]} numbers, ({', '.join(parts)}), got {value!r}")
     return converted
 
 
@@ -72,7 +72,7 @@ def text(name: str, value: str) -> str:
     return value
 
 
-def watched(progress: ProgressFunction | None, cancel: _core.Cancel | None) -> tuple[ProgressFunction | None, _core.Cancel | None]:
+def checked_callbacks(progress: ProgressFunction | None, cancel: _core.Cancel | None) -> tuple[ProgressFunction | None, _core.Cancel | None]:
     if progress is not None and not callable(progress):
         raise TypeError(f"progress must be callable or None, got {progress!r}")
     if cancel is not None and not isinstance(cancel, _core.Cancel):
@@ -101,8 +101,8 @@ def _period_cells(sizes: tuple[float, ...], radius: float, levels: int) -> tuple
 
 
 def _period_sizes(period: float | Numbers) -> tuple[float, ...]:
-    both: Any = [period, period] if np.ndim(period) == 0 else period
-    sizes = numbers("period", both, ("width", "height"))
+    sides: Any = [period, period] if np.ndim(period) == 0 else period
+    sizes = numbers("period", sides, ("width", "height"))
     if not all(math.isfinite(size) and size >= 0 for size in sizes) or max(sizes) == 0:
         raise ValueError(f"period must be positive, or 0 on one axis without an end, got {period!r}")
     return sizes
@@ -149,7 +149,7 @@ def disks(name: str, value: ArrayLike, radius: float) -> NDArray[np.float64]:
         raise TypeError(f"{name} must be an array of numbers of shape (n, 2) or (n, 3), got {array.dtype} of shape {array.shape}")
     rows = np.full((len(array), 3), float(radius))
     rows[:, : array.shape[1]] = array
-    wrong = ~np.isfinite(rows).all(axis=1) | (rows[:, 2] < 0)
-    if wrong.any():
-        raise ValueError(f"{name} must be finite, with radii of at least 0, got {rows[wrong][0]}")
+    invalid = ~np.isfinite(rows).all(axis=1) | (rows[:, 2] < 0)
+    if invalid.any():
+        raise ValueError(f"{name} must be finite, with radii of at least 0, got {rows[invalid][0]}")
     return rows

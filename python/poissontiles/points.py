@@ -90,9 +90,9 @@ class _List:
         values = np.asarray(density(self.positions) if callable(density) else density, dtype=np.float64)
         if values.ndim != 0 and values.shape != (len(self),):
             raise ValueError(f"density must be a number, or have shape ({len(self)},), got shape {values.shape}")
-        wrong = ~((values >= 0) & (values <= 1))
-        if wrong.any():
-            raise ValueError(f"density must be between 0 and 1, got {np.ravel(values)[np.ravel(wrong)][0]}")
+        invalid = ~((values >= 0) & (values <= 1))
+        if invalid.any():
+            raise ValueError(f"density must be between 0 and 1, got {np.ravel(values)[np.ravel(invalid)][0]}")
         return self[self.ranks < values * 2.0**32]
 
     def __reduce__(self) -> tuple[Any, ...]:

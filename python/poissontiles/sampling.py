@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from .areas import Area
-from .arguments import RECT, Numbers, ProgressFunction, Seed, disks, integer, number, numbers, period_cells, seed_of, text, triples, watched
+from .arguments import RECT, Numbers, ProgressFunction, Seed, disks, integer, number, numbers, period_cells, seed_of, text, triples, checked_callbacks
 from .points import Points, SurfacePoints
 
 Method: TypeAlias = Literal["naive", "hierarchical", "accumulator", "wavefront", "tiles"]
@@ -76,7 +76,7 @@ def sample(
         MemoryError: the points do not fit into memory.
         Cancelled: `cancel` was cancelled.
     """
-    chosen = seed_of(seed)
+    set_seed = seed_of(seed)
     area = None if within is None else Area(within)
     if period is not None and fixed is not None:
         raise ValueError("period cannot be combined with fixed")
@@ -93,16 +93,16 @@ def sample(
     arrays = _core.sample(
         numbers("rect", rect, RECT),
         number("radius", radius),
-        chosen,
+        set_seed,
         integer("levels", levels),
         integer("layer", layer),
         bool(even),
         integer("threads", threads),
         None if fixed is None else disks("fixed", fixed, radius),
         cells,
-        *watched(progress, cancel),
+        *checked_callbacks(progress, cancel),
     )
-    points = Points(*arrays, chosen)
+    points = Points(*arrays, set_seed)
     if area is not None:
         points = points[area.contains(points.positions)]
     return points if n is None else points.first(n)
@@ -147,18 +147,18 @@ def sample_surface(
         MemoryError: the points do not fit into memory.
         Cancelled: `cancel` was cancelled.
     """
-    chosen = seed_of(seed)
+    set_seed = seed_of(seed)
     positions, ids, ranks, point_levels, normals, point_faces = _core.sample_surface(
         triples("vertices", vertices, "fiu", "numbers", np.float64),
         triples("faces", faces, "iu", "integers", np.int64),
         number("radius", radius),
-        chosen,
+        set_seed,
         None if window is None else numbers("window", window, ("min_x", "min_y", "min_z", "max_x", "max_y", "max_z")),
         integer("levels", levels),
         integer("layer", layer),
-        *watched(progress, cancel),
+        *checked_callbacks(progress, cancel),
     )
-    return SurfacePoints(positions, ids, ranks, point_levels, chosen, normals, point_faces)
+    return SurfacePoints(positions, ids, ranks, point_levels, set_seed, normals, point_faces)
 
 
 @overload
@@ -242,8 +242,8 @@ def sample_domain(
         width, height = numbers("size", size, ("width", "height"))
         rect = None if toroidal else (0.0, 0.0, width, height)
         return sample(rect, radius, seed, period=size if toroidal else None, progress=progress, cancel=cancel).positions
-    fill: Callable[..., NDArray[Any]] = _core.sample_domain_single if precision == "single" else _core.sample_domain_double
-    return fill(
+    sampler: Callable[..., NDArray[Any]] = _core.sample_domain_single if precision == "single" else _core.sample_domain_double
+    return sampler(
         numbers("size", size, ("width", "height")),
         number("radius", radius),
         seed_of(seed),
@@ -251,7 +251,7 @@ def sample_domain(
         bool(toroidal),
         number("cell_size", cell_size),
         number("darts_each", darts_each),
-        *watched(progress, cancel),
+        *checked_callbacks(progress, cancel),
     )
 
 

@@ -69,23 +69,23 @@ def tiles(
         raise ValueError(f"size must be positive, got {size!r}")
     if not 0 <= count <= 256:
         raise ValueError(f"threads must be between 0 and 256, got {threads!r}")
-    chosen = seed_of(seed)
+    set_seed = seed_of(seed)
 
     def generate() -> Iterator[tuple[Rect, Points]]:
         workers = int(count) or os.cpu_count() or 1
         cancel = _core.Cancel()
         options: dict[str, Any] = {"levels": levels, "layer": layer, "even": even, "within": within, "fixed": fixed, "cancel": cancel}
-        waiting: deque[tuple[Rect, Future[Points]]] = deque()
+        pending: deque[tuple[Rect, Future[Points]]] = deque()
         with ThreadPoolExecutor(workers) as pool:
             try:
                 for tile in _rects((area[0], area[1], area[2], area[3]), width):
-                    waiting.append((tile, pool.submit(sample, tile, radius, chosen, **options)))
-                    if len(waiting) == 2 * workers:
-                        done, points = waiting.popleft()
-                        yield done, points.result()
-                while waiting:
-                    done, points = waiting.popleft()
-                    yield done, points.result()
+                    pending.append((tile, pool.submit(sample, tile, radius, set_seed, **options)))
+                    if len(pending) == 2 * workers:
+                        tile_rect, points = pending.popleft()
+                        yield tile_rect, points.result()
+                while pending:
+                    tile_rect, points = pending.popleft()
+                    yield tile_rect, points.result()
             finally:
                 # The caller may stop before the last tile.
                 cancel.cancel()

@@ -83,14 +83,14 @@ std::vector<Value> column(const std::vector<Point> &points, Value Point::*member
 	return values;
 }
 
-[[noreturn]] void refuse(const std::string &message) {
+[[noreturn]] void raise_value_error(const std::string &message) {
 	PyErr_SetString(PyExc_ValueError, message.c_str());
 	throw nb::python_error();
 }
 
 void require(const Status &status) {
 	if (!status.ok()) {
-		refuse(describe(status));
+		raise_value_error(describe(status));
 	}
 }
 
@@ -190,7 +190,7 @@ std::vector<std::uint32_t> indices_of(const Triples<std::int64_t> &faces, std::s
 	indices.reserve(all.size());
 	for (const std::int64_t index : all) {
 		if (index < 0 || static_cast<std::uint64_t>(index) >= vertices) {
-			refuse("faces must have indices of vertices, 0 to " +
+			raise_value_error("faces must have indices of vertices, 0 to " +
 					std::to_string(static_cast<std::int64_t>(vertices) - 1) + ", got " + std::to_string(index));
 		}
 		indices.push_back(static_cast<std::uint32_t>(index));
@@ -246,7 +246,7 @@ DomainMethod method_of(const std::string &name) {
 		}
 		names += std::string(names.empty() ? "'" : ", '") + known + "'";
 	}
-	refuse("method must be one of " + names + ", 'tiles', got '" + name + "'");
+	raise_value_error("method must be one of " + names + ", 'tiles', got '" + name + "'");
 }
 
 template <typename Real>

@@ -46,25 +46,25 @@ class Reference:
         """Returns an enum's qualified name. In C#, an enum with the same name as a property gets the suffix Enum."""
         owner, _, short = name.rpartition(".") if "." in name else (owner, ".", name)
         if owner in self.classes:
-            taken = {pascal(member.get("name")) for member in self.classes[owner].iter("member")}
-            short += "Enum" if short in taken else ""
+            member_names = {pascal(member.get("name")) for member in self.classes[owner].iter("member")}
+            short += "Enum" if short in member_names else ""
             return f"{owner}.{short}"
         return short if not owner or name == "Error" else f"{owner}.{short}"
 
     def type(self, element: Element, owner: str) -> str:
         """Returns the C# type of a property, a parameter or a return value."""
-        named = element.get("type")
+        type_name = element.get("type")
         if element.get("enum"):
             enum = element.get("enum")
             return "Error" if enum == "Error" else self.enum(enum, owner)
-        if named in VALUES:
-            return VALUES[named]
-        if named.endswith("[]"):
-            inner = VALUES.get(named[:-2], named[:-2])
+        if type_name in VALUES:
+            return VALUES[type_name]
+        if type_name.endswith("[]"):
+            inner = VALUES.get(type_name[:-2], type_name[:-2])
             return f"{inner}[]" if inner in self.classes else f"Godot.Collections.Array<{inner}>"
-        if named.startswith("Dictionary["):
+        if type_name.startswith("Dictionary["):
             return VALUES["Dictionary"]
-        return "GodotObject" if named == "Object" else named
+        return "GodotObject" if type_name == "Object" else type_name
 
     def from_variant(self, value: str, type_: str) -> str:
         """Returns an expression that converts a Variant to this type."""
@@ -96,55 +96,55 @@ def summary(text: str | None, indent: str = "\t") -> str:
 
 def parameter(reference: Reference, element: Element, owner: str) -> tuple[str, str]:
     """Returns a parameter's declaration and the expression that converts it to a Variant."""
-    name, type_, given = camel(element.get("name")), reference.type(element, owner), element.get("default")
+    name, type_, default = camel(element.get("name")), reference.type(element, owner), element.get("default")
     variant = reference.to_variant(name, type_)
-    if given is None:
+    if default is None:
         return f"{type_} {name}", variant
     if type_ in ("bool", "long", "double"):
-        return f"{type_} {name} = {given}", variant
+        return f"{type_} {name} = {default}", variant
     if type_ == "string":
-        return f"string {name} = {given}", variant
+        return f"string {name} = {default}", variant
     if type_ in ("StringName", "NodePath"):
         return f"{type_} {name} = null", f'{name} ?? ""'
-    if type_.endswith("[]") and given.endswith(("()", "[]")):
+    if type_.endswith("[]") and default.endswith(("()", "[]")):
         empty = type_.replace("[]", "[0]")
         return f"{type_} {name} = null", reference.to_variant(f"{name} ?? new {empty}", type_)
     if type_.startswith("Godot.Collections."):
         return f"{type_} {name} = null", reference.to_variant(f"{name} ?? new {type_}()", type_)
     if type_ in STRUCTS:
-        numbers = re.findall(r"-?\d+(?:\.\d+)?", given.partition("(")[2])
+        numbers = re.findall(r"-?\d+(?:\.\d+)?", default.partition("(")[2])
         value = ", ".join(number + ("f" if "." in number else "") for number in numbers)
         return f"{type_}? {name} = null", f"{name} ?? new {type_}({value})"
     if reference.enum(element.get("enum") or "", owner) == type_:
-        return f"{type_} {name} = ({type_}){given}", variant
+        return f"{type_} {name} = ({type_}){default}", variant
     return f"{type_} {name} = default", variant  # Callable(), null and RID() are all empty values.
 
 
-def joined(parts: list[str], glue: str) -> str:
-    return glue.join(part for part in parts if part)
+def joined(texts: list[str], glue: str) -> str:
+    return glue.join(text for text in texts if text)
 
 
 def names(kind: str, elements: list[Element], hides: bool) -> str:
     """Returns a nested class of StringNames, as in the engine's C# classes."""
     if not elements:
         return ""
-    head = f"\tpublic {'new ' if hides else ''}static class {kind}\n\t{{\n"
-    lines = [f'\t\tpublic static readonly StringName {pascal(one.get("name"))} = "{one.get("name")}";\n' for one in elements]
-    return head + "".join(lines) + "\t}\n"
+    header = f"\tpublic {'new ' if hides else ''}static class {kind}\n\t{{\n"
+    lines = [f'\t\tpublic static readonly StringName {pascal(element.get("name"))} = "{element.get("name")}";\n' for element in elements]
+    return header + "".join(lines) + "\t}\n"
 
 
 def enums(reference: Reference, root: Element, owner: str) -> str:
-    found: dict[str, list[Element]] = {}
+    constants_by_enum: dict[str, list[Element]] = {}
     for constant in root.iter("constant"):
-        found.setdefault(constant.get("enum"), []).append(constant)
+        constants_by_enum.setdefault(constant.get("enum"), []).append(constant)
     parts = []
-    for enum, constants in found.items():
+    for enum, constants in constants_by_enum.items():
         if enum is None:
-            parts += [f"\tpublic const long {pascal(one.get('name'))} = {one.get('value')};\n" for one in constants]
+            parts += [f"\tpublic const long {pascal(constant.get('name'))} = {constant.get('value')};\n" for constant in constants]
             continue
-        members = members_of_enum([one.get("name") for one in constants])
+        members = members_of_enum([constant.get("name") for constant in constants])
         lines = [
-            summary(one.text, "\t\t") + f"\t\t{members[one.get('name')]} = {one.get('value')},\n" for one in constants
+            summary(constant.text, "\t\t") + f"\t\t{members[constant.get('name')]} = {constant.get('value')},\n" for constant in constants
         ]
         short = reference.enum(enum, owner).rpartition(".")[2]
         parts.append(f"\tpublic enum {short} : long\n\t{{\n{''.join(lines)}\t}}\n")
@@ -164,27 +164,27 @@ def property_(reference: Reference, element: Element, owner: str) -> str:
 def method(reference: Reference, element: Element, owner: str) -> str:
     name = pascal(element.get("name"))
     type_ = reference.type(element.find("return"), owner)
-    parameters = [parameter(reference, one, owner) for one in element.findall("param")]
+    parameters = [parameter(reference, parameter_element, owner) for parameter_element in element.findall("param")]
     call = f"Object.Call({', '.join([f'MethodName.{name}', *(value for _, value in parameters)])})"
     body = call if type_ == "void" else reference.from_variant(call, type_)
-    declared = ", ".join(declaration for declaration, _ in parameters)
-    return f"{summary(element.findtext('description'))}\tpublic {type_} {name}({declared}) => {body};\n"
+    declarations = ", ".join(declaration for declaration, _ in parameters)
+    return f"{summary(element.findtext('description'))}\tpublic {type_} {name}({declarations}) => {body};\n"
 
 
 def signal(reference: Reference, element: Element, owner: str) -> str:
     """Returns an event for a signal. The event connects the handler directly, or a function that first wraps the
     signal's arguments."""
     name = pascal(element.get("name"))
-    types = [reference.type(one, owner) for one in element.findall("param")]
+    types = [reference.type(type_, owner) for type_ in element.findall("param")]
     handler = f"Action<{', '.join(types)}>" if types else "Action"
-    shown = [reference.engine_base(one) if one in reference.classes else one for one in types]
+    engine_types = [reference.engine_base(type_) if type_ in reference.classes else type_ for type_ in types]
     callable_ = "Callable.From(value)"
-    if shown != types:
-        taken = ", ".join(f"{one} a{number}" for number, one in enumerate(shown))
-        passed = ", ".join(
-            f"{one}.Wrap(a{number})" if one in reference.classes else f"a{number}" for number, one in enumerate(types)
+    if engine_types != types:
+        declarations = ", ".join(f"{type_} a{index}" for index, type_ in enumerate(engine_types))
+        arguments = ", ".join(
+            f"{type_}.Wrap(a{index})" if type_ in reference.classes else f"a{index}" for index, type_ in enumerate(types)
         )
-        callable_ = f"Callable.From(({taken}) => value({passed}))"
+        callable_ = f"Callable.From(({declarations}) => value({arguments}))"
     return (
         f"{summary(element.findtext('description'))}\tpublic event {handler} {name}\n\t{{\n"
         f"\t\tadd => AddHandler(SignalName.{name}, value, {callable_});\n"
@@ -223,23 +223,23 @@ def inherits_any(reference: Reference, name: str, tag: str) -> bool:
 def wrapper(reference: Reference, name: str) -> str:
     """Returns the content of the file for one class."""
     root = reference.classes[name]
-    members = [one for one in root.iter("member") if not one.get("overrides")]
-    methods = [one for one in root.iter("method") if "virtual" not in (one.get("qualifiers") or "")]
+    members = [element for element in root.iter("member") if not element.get("overrides")]
+    methods = [element for element in root.iter("method") if "virtual" not in (element.get("qualifiers") or "")]
     signals = list(root.iter("signal"))
     parts = [
         head(reference, name),
         enums(reference, root, name),
-        joined([property_(reference, one, name) for one in members], "\n"),
-        joined([method(reference, one, name) for one in methods], "\n"),
-        joined([signal(reference, one, name) for one in signals], "\n"),
+        joined([property_(reference, element, name) for element in members], "\n"),
+        joined([method(reference, element, name) for element in methods], "\n"),
+        joined([signal(reference, element, name) for element in signals], "\n"),
         names("PropertyName", members, inherits_any(reference, name, "member")),
         names("MethodName", methods, inherits_any(reference, name, "method")),
         names("SignalName", signals, inherits_any(reference, name, "signal")),
     ]
-    about = summary(root.findtext("brief_description"), "")
+    documentation = summary(root.findtext("brief_description"), "")
     base = reference.parent(name) or BASE
     return f"{NOTE}using System;\nusing Godot;\n\nnamespace Thicket\n{{\n" + textwrap.indent(
-        f"{about}public partial class {name} : {base}\n{{\n{joined(parts, chr(10))}}}\n", "\t"
+        f"{documentation}public partial class {name} : {base}\n{{\n{joined(parts, chr(10))}}}\n", "\t"
     ) + "}\n"
 
 
@@ -248,19 +248,19 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="the folder to write into")
     parser.add_argument("--list", action="store_true", help="print the names of the files and write nothing")
     parser.add_argument("pages", nargs="+", type=Path, help="pages of the class reference")
-    given = parser.parse_args()
-    reference = Reference(given.pages)
+    options = parser.parse_args()
+    reference = Reference(options.pages)
     files = {f"{name}.cs": lambda name=name: wrapper(reference, name) for name in reference.classes}
     files[f"{BASE}.cs"] = lambda: NOTE + (Path(__file__).parent / f"{BASE}.cs.in").read_text(encoding="utf-8")
-    if given.list:
+    if options.list:
         print("\n".join(files))
         return
-    given.out.mkdir(parents=True, exist_ok=True)
-    for old in given.out.glob("*.cs"):
-        if old.name not in files and old.read_text(encoding="utf-8").startswith(WRITTEN_BY):
-            old.unlink()
+    options.out.mkdir(parents=True, exist_ok=True)
+    for existing in options.out.glob("*.cs"):
+        if existing.name not in files and existing.read_text(encoding="utf-8").startswith(WRITTEN_BY):
+            existing.unlink()
     for file, text in files.items():
-        (given.out / file).write_text(text(), encoding="utf-8")
+        (options.out / file).write_text(text(), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -71,12 +71,12 @@ def camel(name: str) -> str:
 def members_of_enum(names: list[str]) -> dict[str, str]:
     """Maps the names of an enum's values to C# names. Omits the words that all names have in common at the start."""
     words = [name.split("_") for name in names]
-    same = 0
-    while len(words) > 1 and all(len(one) > same + 1 and one[same] == words[0][same] for one in words):
-        same += 1
-    while same > 0 and any(one[same][:1].isdigit() for one in words):  # A name cannot begin with a digit.
-        same -= 1
-    return {name: pascal("_".join(one[same:])) for name, one in zip(names, words, strict=True)}
+    shared_count = 0
+    while len(words) > 1 and all(len(parts) > shared_count + 1 and parts[shared_count] == words[0][shared_count] for parts in words):
+        shared_count += 1
+    while shared_count > 0 and any(parts[shared_count][:1].isdigit() for parts in words):  # A name cannot begin with a digit.
+        shared_count -= 1
+    return {name: pascal("_".join(parts[shared_count:])) for name, parts in zip(names, words, strict=True)}
 
 
 def plain(text: str) -> str:

@@ -39,8 +39,8 @@ def joined(shots):
     film = []
     for shot in shots:
         fade = min(FADE, len(film), len(shot) // 2) if film else 0
-        for number in range(fade):
-            film[len(film) - fade + number] = Image.blend(film[len(film) - fade + number], shot[number], (number + 1) / (fade + 1))
+        for index in range(fade):
+            film[len(film) - fade + index] = Image.blend(film[len(film) - fade + index], shot[index], (index + 1) / (fade + 1))
         film += shot[fade:]
     return film
 
@@ -59,35 +59,35 @@ def bytes_of(*numbers):
     return b"".join(number.to_bytes(3, "little") for number in numbers)
 
 
-def changed_part(before, frame):
+def changed_part(previous, frame):
     """Returns the rectangle in which two frames differ, with even coordinates as the format requires, or None."""
-    box = ImageChops.difference(before, frame).getbbox()
+    box = ImageChops.difference(previous, frame).getbbox()
     return box and (box[0] & ~1, box[1] & ~1, box[2], box[3])
 
 
 def webp(frames, quality):
     """Returns an animated WebP file. A frame contains only the part that differs from the previous frame. WebP's own encoder
     also keeps parts that are merely similar, which leaves spots in skies and in water."""
-    parts = []  # Of each stored frame: its box, its data, and how often it is repeated.
-    before = None
+    stored_frames = []  # Of each stored frame: its box, its data, and how often it is repeated.
+    previous = None
     for frame in frames:
-        box = changed_part(before, frame) if before else (0, 0, *frame.size)
-        before = frame
+        box = changed_part(previous, frame) if previous else (0, 0, *frame.size)
+        previous = frame
         if box is None:
-            parts[-1][2] += 1
+            stored_frames[-1][2] += 1
             continue
-        packed = io.BytesIO()
-        frame.crop(box).save(packed, "WEBP", quality=quality, method=6)
-        parts.append([box, packed.getvalue()[12:], 1])
+        encoded = io.BytesIO()
+        frame.crop(box).save(encoded, "WEBP", quality=quality, method=6)
+        stored_frames.append([box, encoded.getvalue()[12:], 1])
     width, height = frames[0].size
     animated, overwrite = 0x02, 0x02
     data = chunk(b"VP8X", bytes([animated, 0, 0, 0]) + bytes_of(width - 1, height - 1)) + chunk(b"ANIM", bytes(6))
-    shown = 0
-    for (left, top, right, bottom), packed, count in parts:
-        duration = 1000 * (shown + count) // FPS - 1000 * shown // FPS
-        shown += count
-        place = bytes_of(left // 2, top // 2, right - left - 1, bottom - top - 1, duration)
-        data += chunk(b"ANMF", place + bytes([overwrite]) + packed)
+    frame_count = 0
+    for (left, top, right, bottom), encoded, count in stored_frames:
+        duration = 1000 * (frame_count + count) // FPS - 1000 * frame_count // FPS
+        frame_count += count
+        position = bytes_of(left // 2, top // 2, right - left - 1, bottom - top - 1, duration)
+        data += chunk(b"ANMF", position + bytes([overwrite]) + encoded)
     return chunk(b"RIFF", b"WEBP" + data)
 
 
@@ -111,8 +111,8 @@ def main():
     out.mkdir(parents=True, exist_ok=True)
     film[len(shots[0]) // 2].save(out / "film.jpg", "JPEG", quality=85, optimize=True, progressive=True)
     with tempfile.TemporaryDirectory() as folder:
-        for number, frame in enumerate(film):
-            frame.save(Path(folder) / f"{number:04d}.png", compress_level=1)
+        for index, frame in enumerate(film):
+            frame.save(Path(folder) / f"{index:04d}.png", compress_level=1)
         h264 = ["-c:v", "libx264", "-preset", "slow", "-crf", "28", "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
         # Units of type 6 contain the encoder's name and address.
         h264 += ["-bsf:v", "filter_units=remove_types=6"]

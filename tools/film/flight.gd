@@ -54,48 +54,48 @@ func _open_demo() -> void:
 func _render_shot(shot: Dictionary, folder: String, frames: int) -> String:
 	if DirAccess.make_dir_recursive_absolute(folder) != OK:
 		return "cannot create the folder %s" % folder
-	var all := int(shot.seconds * FPS)
-	var started := Time.get_ticks_msec()
+	var total := int(shot.seconds * FPS)
+	var start_msec := Time.get_ticks_msec()
 	var camera: Camera3D = _demo.get(&"camera")
-	var stop: Dictionary = _demo.call(&"stops").filter(func(each: Dictionary) -> bool: return each.name == shot.stop)[0]
+	var stop: Dictionary = _demo.call(&"stops").filter(func(candidate: Dictionary) -> bool: return candidate.name == shot.stop)[0]
 	_demo.call(&"place", stop)
 	var first := camera.transform
-	for frame in (mini(frames, all) if frames > 0 else all):
-		_move(camera, stop, shot, first, float(frame) / all)
+	for frame in (mini(frames, total) if frames > 0 else total):
+		_move(camera, stop, shot, first, float(frame) / total)
 		var failure := await _settle()
 		if failure != "":
 			return failure
 		RenderingServer.force_draw(true, 1.0 / FPS)
 		if root.get_texture().get_image().save_png(folder.path_join("%04d.png" % frame)) != OK:
 			return "cannot write an image to %s" % folder
-	print("flight: %s took %.1f s" % [shot.stop, (Time.get_ticks_msec() - started) / 1000.0])
+	print("flight: %s took %.1f s" % [shot.stop, (Time.get_ticks_msec() - start_msec) / 1000.0])
 	return ""
 
 
 ## Moves the camera to its position after a fraction of the shot.
 func _move(camera: Camera3D, stop: Dictionary, shot: Dictionary, first: Transform3D, fraction: float) -> void:
 	var heading: float = deg_to_rad(stop.heading)
-	var ahead: float = shot.ahead
-	var there := first.origin + Vector3(sin(heading), 0.0, -cos(heading)) * ahead * fraction
+	var distance: float = shot.ahead
+	var position := first.origin + Vector3(sin(heading), 0.0, -cos(heading)) * distance * fraction
 	if shot.walks:
 		var ground: RefCounted = _demo.get(&"ground")
-		there.y = ground.call(&"height", there.x, there.z) + stop.eye.y
+		position.y = ground.call(&"height", position.x, position.z) + stop.eye.y
 	else:
-		there.y += shot.rise * fraction
+		position.y += shot.rise * fraction
 	var angles := Vector3(deg_to_rad(stop.pitch + shot.tilt * fraction), -heading - deg_to_rad(shot.turn * fraction), 0.0)
-	camera.transform = Transform3D(Basis.from_euler(angles), there)
+	camera.transform = Transform3D(Basis.from_euler(angles), position)
 
 
 ## Waits until all plants of the current view are visible, without drawing. Then lets the time advance by one frame.
 func _settle() -> String:
 	RenderingServer.render_loop_enabled = false
 	Engine.time_scale = 0.0
-	var limit := Time.get_ticks_msec() + PATIENCE_MSEC
+	var deadline := Time.get_ticks_msec() + PATIENCE_MSEC
 	for frame in 3: # The scatter detects the camera's move in the next frame.
 		await process_frame
 	var scatter: Node3D = _demo.get(&"scatter")
 	while not scatter.call(&"is_settled"):
-		if Time.get_ticks_msec() > limit:
+		if Time.get_ticks_msec() > deadline:
 			return "some tiles were not visible after %d s" % (PATIENCE_MSEC / 1000)
 		await process_frame
 	Engine.time_scale = 1.0

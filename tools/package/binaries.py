@@ -14,14 +14,14 @@ TARGETS = ("template_debug", "template_release")
 def tool(name):
     """Returns the path of an LLVM tool. LLVM tools support the files of all platforms. In Debian, their names may end
     with a version."""
-    found = shutil.which(name) or next(filter(None, (shutil.which("%s-%d" % (name, number)) for number in range(30, 13, -1))), None)
-    if found is None:
+    path = shutil.which(name) or next(filter(None, (shutil.which("%s-%d" % (name, version)) for version in range(30, 13, -1))), None)
+    if path is None:
         raise SystemExit("thicket: %s is missing: run bash tools/package.sh, which installs LLVM" % name)
-    return found
+    return path
 
 
 def run(*command):
-    subprocess.run([str(part) for part in command], check=True)
+    subprocess.run([str(argument) for argument in command], check=True)
 
 
 def collect(builds, folder, symbols):
@@ -49,10 +49,10 @@ def collect(builds, folder, symbols):
 
 
 def find(folder, target):
-    found = [path for path in folder.glob("libthicket.*.%s.*" % target) if path.suffix in (".so", ".dll", ".dylib", ".wasm")]
-    if len(found) != 1:
-        raise SystemExit("thicket: %s must contain one library for %s, got %d: build it first" % (folder, len(found), target))
-    return found[0]
+    libraries = [path for path in folder.glob("libthicket.*.%s.*" % target) if path.suffix in (".so", ".dll", ".dylib", ".wasm")]
+    if len(libraries) != 1:
+        raise SystemExit("thicket: %s must contain one library for %s, got %d: build it first" % (folder, len(libraries), target))
+    return libraries[0]
 
 
 def framework(target, precision, libraries, folder):
@@ -60,19 +60,19 @@ def framework(target, precision, libraries, folder):
     macOS then runs the library, but users who download it must allow it once."""
     name = "libthicket.macos." + target + (".double" if precision == "double" else "")
     identifier = "thicket." + target.replace("_", "-") + "." + precision
-    inside = folder / (name + ".framework")
-    (inside / "Resources").mkdir(parents=True, exist_ok=True)
-    parts = []
-    for number, library in enumerate(libraries):
-        parts.append(inside / ("part%d" % number))
-        shutil.copy(library, parts[-1])
-        run(tool("llvm-strip"), "-x", parts[-1])
-        parts[-1].write_bytes(signing.sign(parts[-1].read_bytes(), identifier))
-    run(tool("llvm-lipo"), "-create", *parts, "-output", inside / name)
-    for part in parts:
-        part.unlink()
-    (inside / name).chmod(0o755)
-    about = {
+    bundle = folder / (name + ".framework")
+    (bundle / "Resources").mkdir(parents=True, exist_ok=True)
+    slices = []
+    for index, library in enumerate(libraries):
+        slices.append(bundle / ("part%d" % index))
+        shutil.copy(library, slices[-1])
+        run(tool("llvm-strip"), "-x", slices[-1])
+        slices[-1].write_bytes(signing.sign(slices[-1].read_bytes(), identifier))
+    run(tool("llvm-lipo"), "-create", *slices, "-output", bundle / name)
+    for slice_ in slices:
+        slice_.unlink()
+    (bundle / name).chmod(0o755)
+    info = {
         "CFBundleExecutable": name,
         "CFBundleIdentifier": identifier,
         "CFBundleInfoDictionaryVersion": "6.0",
@@ -82,5 +82,5 @@ def framework(target, precision, libraries, folder):
         "CFBundleVersion": contents.version(),
         "LSMinimumSystemVersion": "11.0",
     }
-    with open(inside / "Resources/Info.plist", "wb") as file:
-        plistlib.dump(about, file)
+    with open(bundle / "Resources/Info.plist", "wb") as file:
+        plistlib.dump(info, file)

@@ -43,15 +43,15 @@ def with_addresses(changes):
 
 def tracked(folder):
     """Returns the files in a folder of the repository that git tracks."""
-    listed = subprocess.run(["git", "ls-files", "-z", "--", str(folder)], cwd=REPO, check=True, capture_output=True, text=True)
-    return [REPO / name for name in listed.stdout.split("\0") if name and (REPO / name).is_file()]
+    listing = subprocess.run(["git", "ls-files", "-z", "--", str(folder)], cwd=REPO, check=True, capture_output=True, text=True)
+    return [REPO / name for name in listing.stdout.split("\0") if name and (REPO / name).is_file()]
 
 
 def copy(paths, root, target):
     for path in paths:
-        place = target / path.relative_to(root)
-        place.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(path, place)
+        destination = target / path.relative_to(root)
+        destination.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(path, destination)
 
 
 def addon(folder, built):

@@ -12,8 +12,8 @@ import contents
 def notes(changes, version):
     """Returns the text below the heading "## [VERSION] - DATE" of a change log, or None if there is no such section or it is
     empty."""
-    found = re.search(r"^## \[%s\] - [^\n]*\n(.*?)(?=^## |^\[[\d.]+\]: |\Z)" % re.escape(version), changes, re.MULTILINE | re.DOTALL)
-    return (found.group(1).strip() or None) if found else None
+    match = re.search(r"^## \[%s\] - [^\n]*\n(.*?)(?=^## |^\[[\d.]+\]: |\Z)" % re.escape(version), changes, re.MULTILINE | re.DOTALL)
+    return (match.group(1).strip() or None) if match else None
 
 
 def main(tag):

@@ -72,15 +72,15 @@ def arguments():
     return options
 
 
-def build(wanted, engine_api):
+def build(builds, engine_api):
     """Runs scons for each build. Builds only the extension, because releases do not contain tests."""
     api = ["engine_api=" + os.path.abspath(engine_api)] if engine_api else []
-    for each in wanted:
-        print("thicket: building for %s" % each.name, file=sys.stderr)
-        subprocess.run(["scons", "-Q", "-j%d" % (os.cpu_count() or 1), *each.options(), *api, "extension"], cwd=REPO, check=True)
+    for build_ in builds:
+        print("thicket: building for %s" % build_.name, file=sys.stderr)
+        subprocess.run(["scons", "-Q", "-j%d" % (os.cpu_count() or 1), *build_.options(), *api, "extension"], cwd=REPO, check=True)
 
 
-def pack(wanted, out):
+def pack(builds, out):
     """Strips the libraries, assembles the add-on, and writes the zips, their checksums and the libraries with symbols.
     Returns the paths of the zips."""
     stage = out / "stage"
@@ -88,8 +88,8 @@ def pack(wanted, out):
     addon = stage / "addon/addons/thicket"
     symbols = out / "symbols"
     shutil.rmtree(symbols, ignore_errors=True)
-    binaries.collect([(each, each.folder()) for each in wanted], addon / "bin", symbols)
-    contents.addon(addon, wanted[0].folder().parent)
+    binaries.collect([(build_, build_.folder()) for build_ in builds], addon / "bin", symbols)
+    contents.addon(addon, builds[0].folder().parent)
     contents.beside_addons(stage / "addon")
     contents.demo(stage / "demo", addon)
     version = contents.version()
@@ -104,13 +104,13 @@ def pack(wanted, out):
 
 def main():
     options = arguments()
-    wanted = [each for each in BUILDS if not options.names or each.name in options.names]
+    builds = [build_ for build_ in BUILDS if not options.names or build_.name in options.names]
     if options.list:
-        print("\n".join(each.name for each in wanted))
+        print("\n".join(build_.name for build_ in builds))
         return
     if not options.built:
-        build(wanted, options.engine_api)
-    for path in pack(wanted, options.out.resolve()):
+        build(builds, options.engine_api)
+    for path in pack(builds, options.out.resolve()):
         print(path)
 
 

@@ -17,9 +17,9 @@ def sign(library, identifier):
     if struct.unpack_from("<I", library)[0] != 0xFEEDFACF:
         raise ValueError("only 64-bit Mach-O files for one CPU can be signed: sign each CPU's part before merging them")
     commands = dict(read_commands(library))
-    linkedit = next(at for at, (kind, name) in commands.items() if (kind, name) == (SEGMENT_64, b"__LINKEDIT"))
-    text = next(at for at, (kind, name) in commands.items() if (kind, name) == (SEGMENT_64, b"__TEXT"))
-    signature = next((at for at, (kind, _) in commands.items() if kind == CODE_SIGNATURE), None)
+    linkedit = next(offset for offset, (kind, name) in commands.items() if (kind, name) == (SEGMENT_64, b"__LINKEDIT"))
+    text = next(offset for offset, (kind, name) in commands.items() if (kind, name) == (SEGMENT_64, b"__TEXT"))
+    signature = next((offset for offset, (kind, _) in commands.items() if kind == CODE_SIGNATURE), None)
     signed = bytearray(library)
     if signature is None:
         signature = add_command(signed, text)
@@ -41,27 +41,27 @@ def sign(library, identifier):
     blob = struct.pack(">6I", 0xFADE0CC0, size, 1, 0, INDEX, 0)
     blob += struct.pack(">9I4B4I4Q", 0xFADE0C02, size - INDEX, 0x20400, AD_HOC_BY_LINKER, DIRECTORY + len(name), DIRECTORY, 0, pages, start,
         32, HASH_SHA256, 0, PAGE_BITS, 0, 0, 0, 0, 0, text_start, text_size, 0)  # fmt: skip
-    blob += name + b"".join(hashlib.sha256(signed[at : min(at + PAGE, start)]).digest() for at in range(0, start, PAGE))
+    blob += name + b"".join(hashlib.sha256(signed[offset : min(offset + PAGE, start)]).digest() for offset in range(0, start, PAGE))
     return bytes(signed) + blob.ljust(size, b"\0")
 
 
 def read_commands(library):
     """Yields (offset, (kind, segment name)) for each load command."""
-    count, at = struct.unpack_from("<I", library, 16)[0], HEADER
+    count, offset = struct.unpack_from("<I", library, 16)[0], HEADER
     for _ in range(count):
-        kind, size = struct.unpack_from("<2I", library, at)
-        yield at, (kind, bytes(library[at + 8 : at + 24]).rstrip(b"\0") if kind == SEGMENT_64 else b"")
-        at += size
+        kind, size = struct.unpack_from("<2I", library, offset)
+        yield offset, (kind, bytes(library[offset + 8 : offset + 24]).rstrip(b"\0") if kind == SEGMENT_64 else b"")
+        offset += size
 
 
 def add_command(library, text):
     """Adds an empty command for the signature after the last command. Returns its offset. `text` is the offset of the command of
     the segment __TEXT, whose first section limits the space."""
     count, size = struct.unpack_from("<2I", library, 16)
-    at = HEADER + size
+    offset = HEADER + size
     sections = struct.unpack_from("<I", library, text + 64)[0]
-    first = min(struct.unpack_from("<I", library, text + 72 + 80 * number + 48)[0] for number in range(sections))
-    if at + COMMAND > first:
+    first = min(struct.unpack_from("<I", library, text + 72 + 80 * index + 48)[0] for index in range(sections))
+    if offset + COMMAND > first:
         raise ValueError("no space for the load command of a signature: link with a larger -headerpad")
     struct.pack_into("<2I", library, 16, count + 1, size + COMMAND)
-    return at
+    return offset

@@ -16,16 +16,16 @@ THUMBNAIL = (1280, 720)
 
 
 def main():
-    taken, store = map(Path, sys.argv[1:])
+    screenshots, store = map(Path, sys.argv[1:])
     store.mkdir(parents=True, exist_ok=True)
-    for number, name in enumerate(SCREENSHOTS, 1):
-        with Image.open(taken / f"{name}.png") as image:
+    for index, name in enumerate(SCREENSHOTS, 1):
+        with Image.open(screenshots / f"{name}.png") as image:
             if image.size != SIZE:
                 raise SystemExit(f"store_pictures: {name}.png must have {SIZE[0]} by {SIZE[1]} pixels, got {image.size[0]} by {image.size[1]}")
-            image.convert("RGB").save(store / f"screenshot_{number}.jpg", "JPEG", quality=88, optimize=True, progressive=True)
-            if number == 1:
+            image.convert("RGB").save(store / f"screenshot_{index}.jpg", "JPEG", quality=88, optimize=True, progressive=True)
+            if index == 1:
                 image.convert("RGB").resize(THUMBNAIL, Image.Resampling.LANCZOS).save(store / "thumbnail.jpg", "JPEG", quality=90, optimize=True)
-    shutil.copy(taken / "icon.png", store / "icon.png")
+    shutil.copy(screenshots / "icon.png", store / "icon.png")
 
 
 if __name__ == "__main__":

@@ -24,28 +24,28 @@ def is_elf(env):
 def library(env, out, objects, highway):
     """Returns the nodes of the static library, the shared library (except on the web) and the headers. A program needs
     one of the two libraries, and none of our other libraries."""
-    parts = [*objects, highway[0].sources]
+    objects_and_highway = [*objects, highway[0].sources]
     headers = env.Install(out + "/c", HEADERS)
-    archive = env.StaticLibrary(out + "/c/thicket_c", parts)
+    archive = env.StaticLibrary(out + "/c/thicket_c", objects_and_highway)
     if env["platform"] == "web":
         return [archive, headers]  # The web needs no shared library, because programs for it are linked statically.
-    own = env.Clone()
+    shared_env = env.Clone()
     if is_elf(env):
         exports = env.File("#tools/scons/c_exports.map")
-        own.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--version-script=" + exports.abspath])
+        shared_env.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--version-script=" + exports.abspath])
         if env["target"] == "template_release":
-            own.Append(LINKFLAGS=["-Wl,--strip-all"])
+            shared_env.Append(LINKFLAGS=["-Wl,--strip-all"])
         # The name of the file has the version, and programs load it by the major version.
-        own["SHLIBVERSION"] = "%d.%d.0" % version(env)
-    shared = own.SharedLibrary(out + "/c/thicket_c", parts, SHLIBPREFIX="lib")
+        shared_env["SHLIBVERSION"] = "%d.%d.0" % version(env)
+    shared = shared_env.SharedLibrary(out + "/c/thicket_c", objects_and_highway, SHLIBPREFIX="lib")
     if is_elf(env):
-        own.Depends(shared, exports)
+        shared_env.Depends(shared, exports)
     return [archive, shared, headers]
 
 
-def install(env, out, built):
+def install(env, out, nodes):
     """Returns the nodes of the installed library: its headers, both libraries, and the files for pkg-config and CMake."""
-    archive, shared, _headers = built
+    archive, shared, _headers = nodes
     prefix = env["prefix"]
     major, minor = version(env)
     values = {
@@ -55,14 +55,14 @@ def install(env, out, built):
         "@soname@": "libthicket_c.so.%d" % major,
     }
 
-    def written(name):
+    def config_file(name):
         return env.Substfile(out + "/c/" + name, "#tools/scons/c_install/%s.in" % name, SUBST_DICT=values)
 
-    configs = [written("thicket_c-config.cmake"), written("thicket_c-config-version.cmake")]
+    configs = [config_file("thicket_c-config.cmake"), config_file("thicket_c-config-version.cmake")]
     return [
         env.Install(prefix + "/include", HEADERS),
         env.Install(prefix + "/lib", archive),
         env.InstallVersionedLib(prefix + "/lib", shared, SHLIBVERSION=values["@version@"]),
-        env.Install(prefix + "/lib/pkgconfig", written("thicket_c.pc")),
+        env.Install(prefix + "/lib/pkgconfig", config_file("thicket_c.pc")),
         env.Install(prefix + "/lib/cmake/thicket_c", configs),
     ]

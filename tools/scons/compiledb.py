@@ -9,9 +9,9 @@ def database(env, targets):
     rewritten when the objects or their flags change."""
     objects = sorted(set(compiled(env.Flatten(targets), set())), key=str)
     # Objects of the same environment have the same flags.
-    flags = {id(each): each for each in (node.get_build_env() for node in objects)}.values()
+    environments = {id(environment): environment for environment in (node.get_build_env() for node in objects)}.values()
     summary = [env.Dir("#").abspath, *map(str, objects)]
-    summary += [each.subst("$CXX $CXXFLAGS $CCFLAGS $_CCCOMCOM") for each in flags]
+    summary += [environment.subst("$CXX $CXXFLAGS $CCFLAGS $_CCCOMCOM") for environment in environments]
 
     def write(target, source, env):
         entries = [entry(node, env.Dir("#").abspath) for node in objects]

@@ -8,11 +8,11 @@ def wrappers(env, addon):
     """Returns the nodes of the wrappers. Runs the generator once at the start of the build to list their names."""
     pages = sorted(env.Glob("#extension/doc_classes/*.xml"), key=str)
     command = [sys.executable, env.File("#tools/csharp/generate.py").abspath, *[page.srcnode().abspath for page in pages]]
-    listed = subprocess.run([*command, "--list"], capture_output=True, text=True, check=False)
-    if listed.returncode:
-        sys.exit("thicket: tools/csharp/generate.py --list failed:\n" + listed.stderr)
+    listing = subprocess.run([*command, "--list"], capture_output=True, text=True, check=False)
+    if listing.returncode:
+        sys.exit("thicket: tools/csharp/generate.py --list failed:\n" + listing.stderr)
     folder = addon + "/csharp"
     action = env.Action([[*command, "--out", env.Dir(folder).abspath]], "write   %s" % folder.lstrip("#"))
-    written = env.Command([folder + "/" + name for name in listed.stdout.split()], pages, action)
-    env.Depends(written, env.Glob("#tools/csharp/*.py") + env.Glob("#tools/csharp/*.in"))
-    return written
+    wrapper_files = env.Command([folder + "/" + name for name in listing.stdout.split()], pages, action)
+    env.Depends(wrapper_files, env.Glob("#tools/csharp/*.py") + env.Glob("#tools/csharp/*.in"))
+    return wrapper_files

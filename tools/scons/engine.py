@@ -22,24 +22,24 @@ def external(env, folder):
     in them are disabled. Adds its library to env and returns an empty list. Ends the build if there is no library for
     this target, architecture and precision."""
     folder = os.path.abspath(folder)
-    roots = [os.path.join(folder, part) for part in ("include", "gen/include", "gdextension")]
+    roots = [os.path.join(folder, subfolder) for subfolder in ("include", "gen/include", "gdextension")]
     archives = [
         path
-        for part in ("bin", "lib", "lib64", "lib/*-linux-gnu")
-        for path in sorted(glob.glob(os.path.join(folder, part, "libgodot-cpp*.a")))
+        for subfolder in ("bin", "lib", "lib64", "lib/*-linux-gnu")
+        for path in sorted(glob.glob(os.path.join(folder, subfolder, "libgodot-cpp*.a")))
     ]
     double = env["precision"] == "double"
-    fitting = [path for path in archives if env["target"] in path and env["arch"] in path and (".double." in path) == double]
-    if not fitting:
-        have = ", ".join(os.path.relpath(path, folder) for path in archives) or "none"
+    matching = [path for path in archives if env["target"] in path and env["arch"] in path and (".double." in path) == double]
+    if not matching:
+        found = ", ".join(os.path.relpath(path, folder) for path in archives) or "none"
         sys.exit("thicket: godot_cpp=%s contains no library for %s%s %s (found: %s)"
-            % (folder, env["target"], " double" * double, env["arch"], have))  # fmt: skip
+            % (folder, env["target"], " double" * double, env["arch"], found))  # fmt: skip
     for root in roots:
         if os.path.isdir(root):
             env.Append(CCFLAGS=["-isystem", root])
     # Repeats the definitions that godot-cpp's own build sets for code that links with it.
-    env.Append(CPPDEFINES=["GDEXTENSION"], LIBS=[env.File(fitting[0])])
-    if supports_reload(fitting[0]):
+    env.Append(CPPDEFINES=["GDEXTENSION"], LIBS=[env.File(matching[0])])
+    if supports_reload(matching[0]):
         env.Append(CPPDEFINES=["HOT_RELOAD_ENABLED"])
     return []
 
@@ -48,9 +48,9 @@ def supports_reload(archive):
     """Returns whether a godot-cpp was built with use_hot_reload=yes. Code linked with it must be compiled with the same
     setting, because both share thread-local data of Wrapped that depends on it. Depending on the release, this is a record
     whose size differs, or a member that exists only with the setting."""
-    listed = subprocess.run(["nm", "-S", archive], capture_output=True, text=True, check=False).stdout
-    sizes = re.findall(r"^[0-9a-f]+ ([0-9a-f]+) \w _ZZN5godot7Wrapped19_get_construct_infoEvE4info$", listed, re.MULTILINE)
-    return any(int(size, 16) > 16 for size in sizes) or re.search(r"5godot7Wrapped\d+\w*recreate_\w+E", listed) is not None
+    symbols = subprocess.run(["nm", "-S", archive], capture_output=True, text=True, check=False).stdout
+    sizes = re.findall(r"^[0-9a-f]+ ([0-9a-f]+) \w _ZZN5godot7Wrapped19_get_construct_infoEvE4info$", symbols, re.MULTILINE)
+    return any(int(size, 16) > 16 for size in sizes) or re.search(r"5godot7Wrapped\d+\w*recreate_\w+E", symbols) is not None
 
 
 def stand_in(env, out, sources):
@@ -60,9 +60,9 @@ def stand_in(env, out, sources):
     root = env.Dir("#").abspath
     generated = env.Dir(out + "/gen").abspath
     generator = [sys.executable, os.path.join(root, BINDINGS, "generate.py"), "--out", generated, "--used", used_api(root)]
-    listed = subprocess.run([*generator, "--list"], capture_output=True, text=True, check=False)
-    if listed.returncode:
-        sys.exit("thicket: extension/bindings/generate.py --list failed:\n" + listed.stderr)
+    listing = subprocess.run([*generator, "--list"], capture_output=True, text=True, check=False)
+    if listing.returncode:
+        sys.exit("thicket: extension/bindings/generate.py --list failed:\n" + listing.stderr)
     interface = dump(env)[DUMPED.index("gdextension_interface.h")]
     inputs = [path for path in glob.glob(os.path.join(root, BINDINGS, "**"), recursive=True) if os.path.isfile(path)]
     inputs = [path for path in inputs if "__pycache__" not in path]
@@ -70,15 +70,15 @@ def stand_in(env, out, sources):
     action = env.Action([command], "write   %s/gen" % out.lstrip("#"))
     # The generator reads headers as text. Files that these headers include, some of which the generator writes, are
     # therefore not inputs of the command.
-    written = env.Command(
-        listed.stdout.splitlines(),
+    generated_files = env.Command(
+        listing.stdout.splitlines(),
         [interface, *sorted({*inputs, used_api(root), description(root)})],
         action,
         source_scanner=env.Scanner(lambda node, env, path: []),
     )
     env.Append(CPPPATH=["#%s/include" % BINDINGS, generated + "/include"])
-    made = [env.SharedObject(node) for node in written if node.name.endswith(".cpp")]
-    return made + sources(BINDINGS + "/src/**/*.cpp")
+    generated_objects = [env.SharedObject(node) for node in generated_files if node.name.endswith(".cpp")]
+    return generated_objects + sources(BINDINGS + "/src/**/*.cpp")
 
 
 def class_reference(env, out, target):
@@ -90,9 +90,9 @@ def class_reference(env, out, target):
     script = env.File("#%s/docs.py" % BINDINGS)
     action = env.Action([[sys.executable, script.abspath, "--out", "$TARGET", *[page.abspath for page in pages]]],
         "pack    the class reference")  # fmt: skip
-    packed = env.Command(out + "/gen/doc_data.cpp", pages, action)
-    env.Depends(packed, script)
-    return [env.SharedObject(packed)]
+    source = env.Command(out + "/gen/doc_data.cpp", pages, action)
+    env.Depends(source, script)
+    return [env.SharedObject(source)]
 
 
 def version_source(env):
@@ -100,8 +100,8 @@ def version_source(env):
     godot-cpp without a version header, the text of version 4.4."""
     if not env["godot_cpp"]:
         return env.File(description(env.Dir("#").abspath))
-    for part in ("gen/include", "include"):
-        header = os.path.join(os.path.abspath(env["godot_cpp"]), part, "godot_cpp/core/version.hpp")
+    for subfolder in ("gen/include", "include"):
+        header = os.path.join(os.path.abspath(env["godot_cpp"]), subfolder, "godot_cpp/core/version.hpp")
         if os.path.exists(header):
             return env.File(header)
     return env.Value("version_major 4 version_minor 4")
@@ -109,7 +109,7 @@ def version_source(env):
 
 def version(text):
     """Returns the major and minor version, such as "4.6", from the text of version_source."""
-    return ".".join(re.search(r'(?i)version_%s"?:? +([0-9]+)' % part, text).group(1) for part in ("major", "minor"))
+    return ".".join(re.search(r'(?i)version_%s"?:? +([0-9]+)' % component, text).group(1) for component in ("major", "minor"))
 
 
 def used_api(root):
@@ -123,19 +123,19 @@ def description(root):
 
 
 def only(root, name):
-    found = glob.glob(os.path.join(root, "extension/*", name))
-    if len(found) != 1:
-        sys.exit("thicket: extension/ must contain one %s, found %d" % (name, len(found)))
-    return found[0]
+    paths = glob.glob(os.path.join(root, "extension/*", name))
+    if len(paths) != 1:
+        sys.exit("thicket: extension/ must contain one %s, found %d" % (name, len(paths)))
+    return paths[0]
 
 
 def find(env):
     """Returns the path and the modification time, as text, of the Godot that provides the API dump. Returns None if there is
     none."""
     script = env.File("#tools/godot").abspath
-    answer = subprocess.run([script, "--where"], capture_output=True, text=True, check=False)
-    path = answer.stdout.strip()
-    return "%s %d" % (path, os.stat(path).st_mtime_ns) if answer.returncode == 0 and path else None
+    process = subprocess.run([script, "--where"], capture_output=True, text=True, check=False)
+    path = process.stdout.strip()
+    return "%s %d" % (path, os.stat(path).st_mtime_ns) if process.returncode == 0 and path else None
 
 
 def dump(env):
@@ -144,22 +144,22 @@ def dump(env):
     if env["engine_api"]:
         return [env.File(os.path.join(os.path.abspath(env["engine_api"]), name)) for name in DUMPED]
     folder = "#build/engine/"
-    found = find(env)
+    godot = find(env)
 
     def run(target, source, env):
-        if not found:
+        if not godot:
             print("thicket: no Godot 4.4 or newer found: run tools/setup.sh, or set GODOT, "
                 "or build without the extension: scons core tests bench", file=sys.stderr)  # fmt: skip
             return 1
-        where = os.path.dirname(target[0].abspath)
+        folder_path = os.path.dirname(target[0].abspath)
         command = [env.File("#tools/godot").abspath, "--headless",
             "--dump-extension-api-with-docs", "--dump-gdextension-interface"]  # fmt: skip
-        done = subprocess.run(command, cwd=where, capture_output=True, text=True, check=False)
-        missing = [name for name in DUMPED if not os.path.exists(os.path.join(where, name))]
-        if done.returncode != 0 or missing:
-            print(done.stdout + done.stderr, file=sys.stderr)
+        process = subprocess.run(command, cwd=folder_path, capture_output=True, text=True, check=False)
+        missing = [name for name in DUMPED if not os.path.exists(os.path.join(folder_path, name))]
+        if process.returncode != 0 or missing:
+            print(process.stdout + process.stderr, file=sys.stderr)
             return 1
         return 0
 
     action = env.Action(run, "query   Godot's API")
-    return env.Command([folder + name for name in DUMPED], env.Value(found or "no Godot"), action)
+    return env.Command([folder + name for name in DUMPED], env.Value(godot or "no Godot"), action)

@@ -69,14 +69,14 @@ def copied_headers(folder):
     os.makedirs(folder, exist_ok=True)
     for name, header in (("glm", "glm/glm.hpp"), ("doctest", "doctest/doctest.h")):
         roots = ["/usr/include", "/usr/local/include", "/opt/homebrew/include", *os.environ.get("CPATH", "").split(os.pathsep)]
-        found = [root for root in roots if root and os.path.exists(os.path.join(root, header))]
+        installed_roots = [root for root in roots if root and os.path.exists(os.path.join(root, header))]
         copied = os.path.join(folder, header)
-        if found and not (os.path.exists(copied) and filecmp.cmp(copied, os.path.join(found[0], header))):
+        if installed_roots and not (os.path.exists(copied) and filecmp.cmp(copied, os.path.join(installed_roots[0], header))):
             shutil.rmtree(os.path.join(folder, name), ignore_errors=True)
             # Copy into a temporary folder and rename it, so that a copy is always complete, even if several builds run
             # concurrently.
-            with tempfile.TemporaryDirectory(dir=folder) as own:
-                shutil.copytree(os.path.join(found[0], name), os.path.join(own, name))
+            with tempfile.TemporaryDirectory(dir=folder) as temporary:
+                shutil.copytree(os.path.join(installed_roots[0], name), os.path.join(temporary, name))
                 with contextlib.suppress(OSError):
-                    os.rename(os.path.join(own, name), os.path.join(folder, name))
+                    os.rename(os.path.join(temporary, name), os.path.join(folder, name))
     return folder

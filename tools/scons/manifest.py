@@ -20,8 +20,8 @@ def addon_folder(env, out):
     """Returns the folder into which the extension is built. This is the demo's add-on for an ordinary build for this machine,
     otherwise the build folder. Builds with zig and releases are meant for other machines. Standard Godot builds cannot load a
     build with sanitizers, and a build with coverage=yes would write its counts into the project."""
-    here = platforms.is_native(env) and not (env["use_zig"] or env["sanitize"] or env["coverage"] or env["ship"])
-    return "#" + ADDON if here else out + "/addon"
+    is_for_this_machine = platforms.is_native(env) and not (env["use_zig"] or env["sanitize"] or env["coverage"] or env["ship"])
+    return "#" + ADDON if is_for_this_machine else out + "/addon"
 
 
 def binary_name(env, target):
@@ -32,8 +32,8 @@ def manifest(env, addon, binaries):
     """Returns the node of the manifest, which is rewritten after the binaries are linked. It also lists binaries from
     other builds, so the folder is read when the build starts."""
     folder = env.Dir(addon)
-    there = os.path.join(folder.abspath, "bin")
-    names = set(os.listdir(there) if os.path.isdir(there) else [])
+    binary_folder = os.path.join(folder.abspath, "bin")
+    names = set(os.listdir(binary_folder) if os.path.isdir(binary_folder) else [])
     names.update(node.name for node in env.Flatten(binaries))
     icons = os.path.join(folder.abspath, "icons")
     text = write(names, os.listdir(icons) if os.path.isdir(icons) else [])
@@ -56,7 +56,7 @@ def write(names, icons):
     kinds = {}  # For each kind of binary, the files by target.
     for match in binaries:
         kinds.setdefault(match.group("platform", "arch", "double", "nothreads"), {})[match.group("target")] = match.group(0)
-    several = {platform for platform, _, _, nothreads in kinds if nothreads}
+    platforms_without_threads = {platform for platform, _, _, nothreads in kinds if nothreads}
     libraries = []
     for (platform, arch, double, nothreads), built in sorted(kinds.items(), key=str):
         # If a binary is missing, engines load the next best one. For example, an exported game then runs the debug
@@ -71,7 +71,7 @@ def write(names, icons):
         # other precision, the binary does not load, and reports why.
         other = (platform, arch, None if double else ".double", nothreads)
         tags += ["double" if double else "single"] if other in kinds else []
-        tags += ["nothreads" if nothreads else "threads"] if platform in several else []
+        tags += ["nothreads" if nothreads else "threads"] if platform in platforms_without_threads else []
         libraries += ['%s = "bin/%s"' % (".".join([platform, feature, *tags]), name) for feature, name in features.items() if name]
     lines = [
         "[configuration]", "",
