@@ -101,6 +101,9 @@ func test_channels_of_the_mask_texture() -> void:
 	layer.mask_texture_channel = ScatterLayer.MASK_CHANNEL_NONE
 	layer.mask_texture = ImageTexture.create_from_image(image)
 	check(Array(scatter.get_problems()).any(func(text: String) -> bool: return "mask_texture has no effect: mask_texture_channel is None" in text), "an unused texture: %s" % scatter.get_problems())
+	layer.mesh_density_expressions = ["mask_red"]
+	layer.mask_texture = ImageTexture.new()
+	check(Array(scatter.get_problems()).any(func(text: String) -> bool: return "has no readable image, so its channels are 0 in expressions" in text), "a texture without an image: %s" % scatter.get_problems())
 
 
 func test_textures_of_the_ground() -> void:

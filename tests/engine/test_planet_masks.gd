@@ -120,3 +120,23 @@ func test_explanations_and_colors() -> void:
 		var place := rect.position + rect.size * (Vector2(index % size.x, index / size.x) + Vector2(0.5, 0.5)) / Vector2(size)
 		var up := scatter._hit_surface(Vector3(place.x, 150.0, place.y), Vector3(place.x, 50.0, place.y))[0].normalized()
 		check(absf(densities[index] - density_of(image, up)) < 0.02, "the color at %s: %f, expected %f" % [place, densities[index], density_of(image, up)])
+
+
+## An expression of a layer's density uses a channel of the image on all sides of the planet.
+func test_an_expression_uses_the_image() -> void:
+	put_planet(100.0, Vector3.ZERO, 128)
+	var layer := make_masked()
+	layer.mask_texture_channel = ScatterLayer.MASK_CHANNEL_NONE
+	layer.density_expression = "mask_red"
+	viewer = make_viewer()
+	var scatter := make_scatter([layer], make_ground(100.0), viewer)
+	await settle(scatter)
+	check_pixels(scatter, Transform3D.IDENTITY, "with an expression")
+	var before := instances(scatter, 0)
+	layer.density_expression = "mask_red * 1"
+	await settle(scatter)
+	check_equal(instances(scatter, 0) == before, true, "an expression with the same value")
+	layer.density_expression = "1 - mask_red"
+	await settle(scatter)
+	check(instances(scatter, 0).keys().all(func(id: int) -> bool: return not before.has(id) or density_of(layer.mask_texture.get_image(), before[id].origin.normalized()) < 0.999), "the opposite expression")
+	check(absf(instances(scatter, 0).size() - before.size()) < 0.06 * before.size(), "%d instances, then %d with the opposite expression" % [before.size(), instances(scatter, 0).size()])

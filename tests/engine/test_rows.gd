@@ -371,3 +371,39 @@ func test_bad_input_and_warnings() -> void:
 	scatter.layers[0].on_surfaces = true
 	await settle(scatter)
 	check_error(["ScatterLayer.on_surfaces", "clear rows"], "rows on surfaces")
+	scatter.layers[0].on_surfaces = false
+	rows.path_group = GROUP
+	rows.offsets = []
+	await settle(scatter)
+	check_equal(instances(scatter, 0).size(), 0, "instances without offsets")
+	check("ScatterRows.offsets is empty. Add 0" in " ".join(scatter.get_problems()), "the warning about offsets: %s" % scatter.get_problems())
+	rows.offsets = [0.0]
+	scatter.layers[0].spacing_fills = true
+	check("spacing_fills has no effect while rows is set" in " ".join(scatter.get_problems()), "the warning about fills: %s" % scatter.get_problems())
+
+
+func test_paths_that_leave_their_group() -> void:
+	var paths: Array[Path3D] = []
+	for index in 3:
+		paths.append(make_path([Vector3(-20, 0, 12 * index), Vector3(20, 0, 12 * index)], "Road%d" % index))
+		root.add_child(paths[-1])
+	var scatter := make_avenue()
+	await settle(scatter)
+	check_equal(instances(scatter, 0).size(), 33, "all paths")
+	# The number of nodes in the group stays the same.
+	paths[0].remove_from_group(GROUP)
+	var other := make_path([Vector3(-20, 0, 40), Vector3(-10, 0, 40)], "Lane")
+	root.add_child(other)
+	await settle(scatter)
+	check_equal(instances(scatter, 0).size(), 25, "a shorter path in place of the first one")
+	other.reparent(paths[1])
+	paths[1].queue_free()
+	await settle(scatter)
+	check_equal(instances(scatter, 0).size(), 11, "only the last path is left")
+	var view := SubViewport.new()
+	view.own_world_3d = true
+	root.add_child(view)
+	paths[2].reparent(view, false)
+	await settle(scatter)
+	check_equal(instances(scatter, 0).size(), 0, "a path in another world has no instances")
+	view.queue_free()

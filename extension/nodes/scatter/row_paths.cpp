@@ -160,8 +160,8 @@ void RowPaths::read_changed(Group &r_group) const {
 	for (const std::size_t index : r_group.changed_indices) {
 		PathState &path = r_group.paths[index];
 		const auto *node = Object::cast_to<Path3D>(path.node.get_validated_object());
-		if (node == nullptr || !node->is_inside_tree()) {
-			r_group.is_outdated = true; // The path has been removed since it was checked.
+		if (node == nullptr || !node->is_inside_tree() || !(node->get_world_3d() == host_->get_world_3d())) {
+			r_group.is_outdated = true; // The path has been removed since it was checked, or is in another world.
 			return;
 		}
 		PathState state = state_of(*node, *world_);
