@@ -33,9 +33,9 @@ def write_engine_reference(folder):
     """Lets the engine write the names of all of its classes and members."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    done = subprocess.run([REPO / "tools/godot", "--headless", "--doctool", folder], capture_output=True, text=True, stdin=subprocess.DEVNULL)
-    if done.returncode or not (folder / "doc/classes/Node3D.xml").is_file():
-        raise SystemExit("class_reference: the engine wrote no class reference:\n" + done.stdout + done.stderr)
+    completed = subprocess.run([REPO / "tools/godot", "--headless", "--doctool", folder], capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    if completed.returncode or not (folder / "doc/classes/Node3D.xml").is_file():
+        raise SystemExit("class_reference: the engine wrote no class reference:\n" + completed.stdout + completed.stderr)
 
 
 def prepare(source):
@@ -62,9 +62,9 @@ def is_former(path):
 def write_pages(engine, prepared):
     command = [sys.executable, "-m", "gddoc2yml.make_rst", "--output", PAGES, "--filter", "^" + re.escape(str(prepared)), prepared,
         engine / "doc/classes", engine / "modules"]  # fmt: skip
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode:
-        raise SystemExit("class_reference: fix extension/doc_classes:\n" + done.stdout + done.stderr)
+    completed = subprocess.run(command, capture_output=True, text=True)
+    if completed.returncode:
+        raise SystemExit("class_reference: fix extension/doc_classes:\n" + completed.stdout + completed.stderr)
 
 
 def tidy_pages():

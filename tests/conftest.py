@@ -178,9 +178,9 @@ def build(*arguments: str | Path, timeout: float, cwd: Path = REPO):
 
 def check_engine_tests(addon: Path, *options: str, **environment: str):
     """Runs tests/engine in projects that contain only this add-on. `options` are passed to pytest."""
-    done = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", *options, "tests/engine/test_engine.py"], timeout=3600, cwd=REPO,
+    completed = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", *options, "tests/engine/test_engine.py"], timeout=3600, cwd=REPO,
         env={**os.environ, "THICKET_ADDON": str(addon), **environment})  # fmt: skip
-    assert done.returncode == 0, done.stdout[-6000:]
+    assert completed.returncode == 0, completed.stdout[-6000:]
 
 
 @pytest.fixture(scope="session")
@@ -233,9 +233,9 @@ def wheel() -> Path:
     """Builds the wheel for this Python version from the current sources with `bash python/build.sh`. Returns the path
     that the script prints."""
     with one_at_a_time("wheel"):
-        done = run(["bash", "python/build.sh"], timeout=1200, cwd=REPO, env={**os.environ, "PYTHON": sys.executable})
-    assert done.returncode == 0, done.stdout + done.stderr
-    return REPO / re.search(r"^thicket: (build/python/poissontiles-\S+\.whl)$", done.stderr, re.MULTILINE).group(1)
+        completed = run(["bash", "python/build.sh"], timeout=1200, cwd=REPO, env={**os.environ, "PYTHON": sys.executable})
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    return REPO / re.search(r"^thicket: (build/python/poissontiles-\S+\.whl)$", completed.stderr, re.MULTILINE).group(1)
 
 
 @pytest.fixture(scope="session")
@@ -255,8 +255,8 @@ def wheel_python(wheel: Path) -> Path:
                 [sys.executable, "-m", "venv", WHEEL_VENV],
                 [WHEEL_VENV / "bin/python", "-m", "pip", "install", "--quiet", "--no-index", "--find-links", wheels, wheel],
             ):
-                done = run(command, timeout=300)
-                assert done.returncode == 0, done.stdout + done.stderr
+                completed = run(command, timeout=300)
+                assert completed.returncode == 0, completed.stdout + completed.stderr
             stamp.write_text(mark)
     return WHEEL_VENV / "bin/python"
 
@@ -265,8 +265,8 @@ def wheel_python(wheel: Path) -> Path:
 def poissontiles(wheel_python: Path) -> ModuleType:
     """Returns the Python package, imported from the environment of `wheel_python`, which uses the same Python
     version."""
-    done = run([wheel_python, "-c", "import sysconfig; print(sysconfig.get_path('platlib'))"], timeout=60)
-    sys.path.append(done.stdout.strip())
+    completed = run([wheel_python, "-c", "import sysconfig; print(sysconfig.get_path('platlib'))"], timeout=60)
+    sys.path.append(completed.stdout.strip())
     module = import_module("poissontiles")
     assert Path(module.__file__).is_relative_to(WHEEL_VENV)
     return module
@@ -287,8 +287,8 @@ def new_project(folder: Path, settings: str = "") -> Path:
 def imported_demo(repo: Path) -> Path:
     """Returns the demo project after its resources have been imported and the engine has registered the extension."""
     project = repo / "demo_project"
-    done = run([repo / "tools/godot", "--headless", "--path", project, "--import"], timeout=600)
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = run([repo / "tools/godot", "--headless", "--path", project, "--import"], timeout=600)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
     return project
 
 
@@ -299,10 +299,10 @@ ENDED_BY_DOCUMENTATION = re.compile(r"instance of 'std::system_error'\s+what\(\)
 
 def run_godot(arguments: list[str | Path], timeout: float, **options) -> subprocess.CompletedProcess[str]:
     """Runs Godot. Runs an editor a second time if its documentation thread crashed it."""
-    done = run([REPO / "tools/godot", *arguments], timeout, **options)
-    if "--editor" in arguments and ENDED_BY_DOCUMENTATION.search(done.stderr):
-        done = run([REPO / "tools/godot", *arguments], timeout, **options)
-    return done
+    completed = run([REPO / "tools/godot", *arguments], timeout, **options)
+    if "--editor" in arguments and ENDED_BY_DOCUMENTATION.search(completed.stderr):
+        completed = run([REPO / "tools/godot", *arguments], timeout, **options)
+    return completed
 
 
 @pytest.fixture(scope="session")

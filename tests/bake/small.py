@@ -40,11 +40,11 @@ def game(tmp_path_factory) -> Path:
 def bake(tmp_path_factory, godot, game) -> Path:
     """Returns the folder of the small bake, which tests/bake/make_bake.py writes."""
     folder = tmp_path_factory.mktemp("bakes") / "small"
-    done = run([PYTHON, BAKES / "make_bake.py", folder], timeout=60)
-    assert done.returncode == 0, f"{done.stderr}\nsetup_bake in tools/setup.sh installs the Python packages"
+    completed = run([PYTHON, BAKES / "make_bake.py", folder], timeout=60)
+    assert completed.returncode == 0, f"{completed.stderr}\nsetup_bake in tools/setup.sh installs the Python packages"
     (folder / "models").mkdir()
-    done = godot(["--path", game, "--script", BAKES / "make_models.gd", "--", folder / "models"], timeout=60)
-    assert (folder / "models/2_0.res").is_file(), done.stdout + done.stderr
+    completed = godot(["--path", game, "--script", BAKES / "make_models.gd", "--", folder / "models"], timeout=60)
+    assert (folder / "models/2_0.res").is_file(), completed.stdout + completed.stderr
     return folder
 
 
@@ -66,9 +66,9 @@ def reader(name: str, bake: Path, *arguments: str | Path, timeout: float = 120) 
 
 def refused(name: str, bake: Path, *arguments: str | Path) -> str:
     """Runs a reader that must reject a bake and must not print a traceback. Returns the error message."""
-    done = reader(name, bake, *arguments)
-    assert done.returncode == 1 and "Traceback" not in done.stderr, done.stdout + done.stderr
-    return done.stderr
+    completed = reader(name, bake, *arguments)
+    assert completed.returncode == 1 and "Traceback" not in completed.stderr, completed.stdout + completed.stderr
+    return completed.stderr
 
 
 def manifest_of(folder: Path) -> dict:
@@ -92,8 +92,8 @@ def of_tile(rows: dict[str, np.ndarray], tile: list[int], layer: int, model: int
 
 def stops_of(engine, game: Path, *steps: str) -> tuple[list[dict], str]:
     """Runs tests/bake/stream_tiles.gd. Returns a description of the visible nodes after each step, and the output."""
-    done = engine(["--verbose", "--path", game, "--script", BAKES / "stream_tiles.gd", "--", "res://world/baked_world.scn", *steps], timeout=120)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "stream: done" in done.stdout and "never settled" not in done.stdout, printed[-4000:]
+    completed = engine(["--verbose", "--path", game, "--script", BAKES / "stream_tiles.gd", "--", "res://world/baked_world.scn", *steps], timeout=120)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "stream: done" in completed.stdout and "never settled" not in completed.stdout, printed[-4000:]
     assert "leaked" not in printed, printed[-4000:]
-    return [json.loads(line) for line in re.findall(r"^stop (.*)$", done.stdout, re.MULTILINE)], printed
+    return [json.loads(line) for line in re.findall(r"^stop (.*)$", completed.stdout, re.MULTILINE)], printed

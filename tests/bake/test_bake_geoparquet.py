@@ -24,8 +24,8 @@ def exported(bake, tmp_path_factory) -> Path:
     """Returns the folder of an export with a coordinate reference system, written with the documented command."""
     folder = tmp_path_factory.mktemp("geoparquet")
     options = ["--crs", "EPSG:32632", "--origin", ",".join(map(str, ORIGIN))]
-    done = run(["bash", "demo_project/bake_export.sh", bake, "geoparquet", folder, *options], timeout=300, cwd=REPO)
-    assert done.returncode == 0 and "wrote 2640 instances in 11 tiles to" in done.stderr, done.stdout + done.stderr
+    completed = run(["bash", "demo_project/bake_export.sh", bake, "geoparquet", folder, *options], timeout=300, cwd=REPO)
+    assert completed.returncode == 0 and "wrote 2640 instances in 11 tiles to" in completed.stderr, completed.stdout + completed.stderr
     return folder
 
 
@@ -90,9 +90,9 @@ def test_files_describe_their_geometry(exported, wkb):
 
 def test_row_groups_cover_small_areas():
     """Checks that a reader that needs an eighth of a tile can skip most of its rows."""
-    done = run([CACHE / "bake-venv/bin/python", "-c", SPREAD], timeout=60, cwd=REPO / "tools/bake")
-    assert done.returncode == 0, done.stderr
-    read, rows = map(int, done.stdout.split())
+    completed = run([CACHE / "bake-venv/bin/python", "-c", SPREAD], timeout=60, cwd=REPO / "tools/bake")
+    assert completed.returncode == 0, completed.stderr
+    read, rows = map(int, completed.stdout.split())
     assert rows == 500_000 and read < 0.4 * rows
 
 
@@ -148,7 +148,7 @@ for folder in sys.argv[1:]:
     near = geopandas.read_parquet(folder, bbox=corner)
     print(json.dumps([len(world), world.crs and world.crs.to_epsg(), len(near), int(((x <= corner[2]) & (y <= corner[3])).sum()), world.geometry.has_z.all().item()]))
 """
-    done = run([python, "-c", script, exported, wkb], timeout=120)
-    native, binary = map(json.loads, done.stdout.splitlines())
-    assert native[:2] == [len(expected["id"]), 32632] and binary[:2] == [len(expected["id"]), None], done.stderr
+    completed = run([python, "-c", script, exported, wkb], timeout=120)
+    native, binary = map(json.loads, completed.stdout.splitlines())
+    assert native[:2] == [len(expected["id"]), 32632] and binary[:2] == [len(expected["id"]), None], completed.stderr
     assert 0 < native[2] == native[3] == binary[2] == binary[3] < native[0] and native[4] and binary[4]

@@ -46,9 +46,9 @@ def accessor(content: dict, buffers: list[bytes], number: int) -> np.ndarray:
 @pytest.fixture(scope="module")
 def glbs(bake, game, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("glb")
-    done = run(["bash", "demo_project/bake_export.sh", bake, "gltf", folder, "--project", game], timeout=120, cwd=REPO)
-    assert done.returncode == 0 and "wrote 2640 instances in 11 tiles to" in done.stderr, done.stdout + done.stderr
-    assert "pyramid" not in done.stderr
+    completed = run(["bash", "demo_project/bake_export.sh", bake, "gltf", folder, "--project", game], timeout=120, cwd=REPO)
+    assert completed.returncode == 0 and "wrote 2640 instances in 11 tiles to" in completed.stderr, completed.stdout + completed.stderr
+    assert "pyramid" not in completed.stderr
     return folder
 
 
@@ -116,8 +116,8 @@ def test_gltf_without_the_engine(copy, game, tmp_path):
     layers = manifest_of(copy)["layers"]
     layers[0]["models"][1] = {"path": "res://gone.tscn", "name": "rock"}
     edit_manifest(copy, layers=layers)
-    done = reader("gltf", copy, tmp_path / "gone", "--project", game, "--tiles=60000,-20002", "--lod", "1")
-    assert done.returncode == 0 and "res://gone.tscn is drawn as a pyramid: res://gone.tscn cannot be loaded" in done.stderr
+    completed = reader("gltf", copy, tmp_path / "gone", "--project", game, "--tiles=60000,-20002", "--lod", "1")
+    assert completed.returncode == 0 and "res://gone.tscn is drawn as a pyramid: res://gone.tscn cannot be loaded" in completed.stderr
     content, binary = parse(tmp_path / "gone/tile_60000_-20002.glb")
     counts = {}
     for node in content["nodes"][1:]:
@@ -204,12 +204,12 @@ def test_the_gltf_validator_finds_no_problem(glbs, bake, tmp_path):
         "Promise.all(process.argv.slice(1).map(async f => console.log(JSON.stringify((await v.validateBytes(read(f), " \
         "{externalResourceFunction: async uri => read(p.join(p.dirname(f), uri))})).issues))))"  # fmt: skip
     files = [*sorted(glbs.iterdir()), *sorted(tmp_path.rglob("*.glb"))]
-    done = run(["node", "-e", script, *files], timeout=120, cwd=folders[-1].parent)
-    found = [json.loads(line) for line in done.stdout.splitlines()]
-    assert done.returncode == 0 and len(found) == 13, done.stderr
+    completed = run(["node", "-e", script, *files], timeout=120, cwd=folders[-1].parent)
+    found = [json.loads(line) for line in completed.stdout.splitlines()]
+    assert completed.returncode == 0 and len(found) == 13, completed.stderr
     assert all(issues["numErrors"] == issues["numWarnings"] == 0 for issues in found), found[0]["messages"][:5]
     # Check that the validator can detect an error.
     broken = tmp_path / "broken.glb"
     broken.write_bytes(files[-1].read_bytes().replace(b'"POSITION"', b'"POSITIOM"'))
-    done = run(["node", "-e", script, broken], timeout=60, cwd=folders[-1].parent)
-    assert json.loads(done.stdout)["numErrors"] > 0
+    completed = run(["node", "-e", script, broken], timeout=60, cwd=folders[-1].parent)
+    assert json.loads(completed.stdout)["numErrors"] > 0

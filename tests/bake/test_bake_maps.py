@@ -36,9 +36,9 @@ def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, siz
     """Checks that the counts can be computed for any pixel size, whether the map is created as a whole or in bands of a
     few rows."""
     options = [] if meters is None else ["--meters", str(meters)]
-    done = reader("maps", bake, tmp_path / "maps", *options, "--memory", memory)
-    assert done.returncode == 0, done.stderr
-    assert (meters is None or memory == "256") == (done.stderr.count("%") == 1), done.stderr
+    completed = reader("maps", bake, tmp_path / "maps", *options, "--memory", memory)
+    assert completed.returncode == 0, completed.stderr
+    assert (meters is None or memory == "256") == (completed.stderr.count("%") == 1), completed.stderr
     width, height = size
     for layer, name in ((0, "Oak"), (2, "Grass")):
         gray, about = map_of(tmp_path / "maps", name)
@@ -48,7 +48,7 @@ def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, siz
         assert one == int(one) >= 1
         assert np.array_equal(gray, np.minimum(want * one, 65535))
         assert about["instances"] == want.sum() and about["pixels_beyond_white"] == (want * one > 65535).sum()
-        assert about["pixels_beyond_white"] == 0 or f"{about['file']}: " in done.stderr
+        assert about["pixels_beyond_white"] == 0 or f"{about['file']}: " in completed.stderr
     assert not list((tmp_path / "maps").glob(".*.part"))
 
 
@@ -72,9 +72,9 @@ def test_memory_for_maps_is_bounded(bake, tmp_path):
         "maps.write_maps(world, Path(sys.argv[2]), 0.0216, 8, 32_000_000, lambda share: None); "
         "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - base)"
     )
-    done = run([PYTHON, "-c", script, bake, tmp_path], timeout=60, cwd=TOOLS)
-    assert done.returncode == 0, done.stderr
-    assert int(done.stdout) < 75_000, "kilobytes"
+    completed = run([PYTHON, "-c", script, bake, tmp_path], timeout=60, cwd=TOOLS)
+    assert completed.returncode == 0, completed.stderr
+    assert int(completed.stdout) < 75_000, "kilobytes"
     assert json.loads((tmp_path / "maps.json").read_text())["width"] > 8_000
 
 

@@ -36,9 +36,9 @@ def test_each_instance_belongs_to_one_area(godot, tmp_path):
     rect = [-1e5 - 17.0, 2e6, 96.5, 81.25]
     sizes = ((32.0, 32.0), (27.0, 20.0), (10.3, 0.7), (64.0, 33.3))
     cases = [json.dumps([rect, size, game_size]) for size, game_size in sizes]
-    done = godot(["--path", new_project(tmp_path), "--script", REPO / "tests/bake/dump_grid.gd", "--", *cases], timeout=60)
-    described = [json.loads(line.removeprefix("grid ")) for line in done.stdout.splitlines() if line.startswith("grid ")]
-    assert len(described) == len(sizes), done.stdout + done.stderr
+    completed = godot(["--path", new_project(tmp_path), "--script", REPO / "tests/bake/dump_grid.gd", "--", *cases], timeout=60)
+    described = [json.loads(line.removeprefix("grid ")) for line in completed.stdout.splitlines() if line.startswith("grid ")]
+    assert len(described) == len(sizes), completed.stdout + completed.stderr
     for each in described:
         check_areas(rect, TileGrid.of(each), each["parts"], np.random.default_rng(3))
 
@@ -261,9 +261,9 @@ for write in (streamed, glb, lambda path, size: write_whole(path, bytes(size))):
 def test_a_full_disk_keeps_the_old_file(tmp_path):
     """Checks that the error is a readable message, the old file is unchanged, and no other file is left, for files of the baker
     and the readers."""
-    done = run([sys.executable, "-c", FULL_DISK, tmp_path], timeout=60, cwd=REPO)
+    completed = run([sys.executable, "-c", FULL_DISK, tmp_path], timeout=60, cwd=REPO)
     sentence = f"Cannot write {tmp_path / 'file'}: File too large. Free space there, or choose a writable folder."
-    assert done.stdout.splitlines() == [sentence, "True ['file']"] * 3, done.stdout + done.stderr
+    assert completed.stdout.splitlines() == [sentence, "True ['file']"] * 3, completed.stdout + completed.stderr
 
 
 def test_an_unrelated_error_during_writing_is_passed_on(tmp_path):

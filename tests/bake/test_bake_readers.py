@@ -68,8 +68,8 @@ def test_an_unwritable_folder_is_rejected_by_name(copy, tmp_path):
 
 def test_the_command_prints_its_usage(bake):
     for arguments in ([], [bake, "obj", "out"]):
-        done = run(["bash", "demo_project/bake_export.sh", *arguments], timeout=60, cwd=REPO)
-        assert done.returncode == 2 and "bake_export.sh BAKE gltf FOLDER" in done.stderr
+        completed = run(["bash", "demo_project/bake_export.sh", *arguments], timeout=60, cwd=REPO)
+        assert completed.returncode == 2 and "bake_export.sh BAKE gltf FOLDER" in completed.stderr
 
 
 # The export to Godot
@@ -78,18 +78,18 @@ def test_the_command_prints_its_usage(bake):
 @pytest.fixture(scope="module")
 def world(bake, game) -> Path:
     """Returns the folder of the world in the game's project, exported with the documented command."""
-    done = run(["bash", "demo_project/bake_export.sh", bake, "godot", game / "world", "--cell", "25"], timeout=120, cwd=REPO)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "res://world/baked_world.scn streams 2640 instances in 11 tiles" in done.stderr, done.stderr
+    completed = run(["bash", "demo_project/bake_export.sh", bake, "godot", game / "world", "--cell", "25"], timeout=120, cwd=REPO)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    assert "res://world/baked_world.scn streams 2640 instances in 11 tiles" in completed.stderr, completed.stderr
     return game / "world"
 
 
 @pytest.fixture(scope="module")
 def nodes(godot, game, world) -> list[dict]:
     """Returns the nodes of all tiles as the engine has loaded them."""
-    done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://world/baked_world.baked"], timeout=60)
-    found = [json.loads(line) for line in re.findall(r"^node (.*)$", done.stdout, re.MULTILINE)]
-    assert done.returncode == 0 and found and not complaints(done.stdout + done.stderr), done.stdout + done.stderr
+    completed = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://world/baked_world.baked"], timeout=60)
+    found = [json.loads(line) for line in re.findall(r"^node (.*)$", completed.stdout, re.MULTILINE)]
+    assert completed.returncode == 0 and found and not complaints(completed.stdout + completed.stderr), completed.stdout + completed.stderr
     for node in found:
         stride = 12 + 4 * node["colors"] + 4 * node["custom"]
         node["rows"] = np.frombuffer(base64.b64decode(node["buffer"]), np.float32).reshape(-1, stride)
@@ -176,8 +176,8 @@ def test_cells_are_smaller_if_levels_change_nearby(godot, copy, game):
     layers[0]["models"][0]["lods"][1]["distance"] = 5.0
     edit_manifest(copy, layers=layers)
     assert reader("godot", copy, game / "near").returncode == 0
-    done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://near/baked_world.baked"], timeout=60)
-    here = [node for node in map(json.loads, re.findall(r"^node (.*)$", done.stdout, re.MULTILINE)) if node["tile"] == [60001, -20001]]
+    completed = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://near/baked_world.baked"], timeout=60)
+    here = [node for node in map(json.loads, re.findall(r"^node (.*)$", completed.stdout, re.MULTILINE)) if node["tile"] == [60001, -20001]]
     assert 5 <= sum(node["name"].endswith("_LOD0") for node in here) <= 9
     assert all(5 <= node["end"] < 5 + 30 for node in here if node["name"].endswith("_LOD0"))
     assert sum(node["name"].startswith("Oak_1_") for node in here) == 1

@@ -21,9 +21,9 @@ from conftest import CACHE, run
 def test_files_in_a_store_are_complete_and_checked(bake):
     """Checks the functions that read and write bakes with a store in memory: files are replaced, listed, removed, and
     rejected if they differ from the manifest."""
-    done = run([PYTHON, "-c", IN_MEMORY, bake], timeout=60, env={**os.environ, "PYTHONPATH": str(TOOLS)})
-    assert done.returncode == 0, done.stdout + done.stderr
-    found = json.loads(done.stdout)
+    completed = run([PYTHON, "-c", IN_MEMORY, bake], timeout=60, env={**os.environ, "PYTHONPATH": str(TOOLS)})
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    found = json.loads(completed.stdout)
     assert found["names"] == ["tile_1_2.parquet"] and found["rows"] == found["again"] == 240 and found["after"] == []
     assert found["read"] == 2640 and found["model"] == "memory://store/small/models/2_0.res"
     assert "tile 60000,-20002 is damaged or belongs to another bake" in found["damaged"]
@@ -95,8 +95,8 @@ def test_a_file_url_names_a_folder(bake, tmp_path, monkeypatch):
 
 @pytest.mark.full
 def test_a_bake_at_a_file_url_is_in_that_folder(world, tmp_path):
-    done = run([PYTHON, "-m", "baking", world / "world.tscn", (tmp_path / "out").as_uri(), *USUAL, "--workers", "1", "--tiles", "0,0"], 120, env=environment())
-    assert done.returncode == 0 and (tmp_path / "out/tiles/tile_0_0.parquet").is_file(), done.stdout + done.stderr
+    completed = run([PYTHON, "-m", "baking", world / "world.tscn", (tmp_path / "out").as_uri(), *USUAL, "--workers", "1", "--tiles", "0,0"], 120, env=environment())
+    assert completed.returncode == 0 and (tmp_path / "out/tiles/tile_0_0.parquet").is_file(), completed.stdout + completed.stderr
 
 
 @pytest.fixture

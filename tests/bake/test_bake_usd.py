@@ -18,9 +18,9 @@ ORIGIN = np.array([3_000_000.0, 900.0, -1_000_000.0])
 def exported(bake, game, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("usd")
     options = ["--project", game, "--origin", ",".join(map(str, ORIGIN))]
-    done = run(["bash", "demo_project/bake_export.sh", bake, "usd", folder, *options], timeout=300, cwd=REPO)
-    assert done.returncode == 0 and f"wrote 2640 instances in 11 tiles to {folder / 'world.usda'}" in done.stderr, done.stdout + done.stderr
-    assert "pyramid" not in done.stderr
+    completed = run(["bash", "demo_project/bake_export.sh", bake, "usd", folder, *options], timeout=300, cwd=REPO)
+    assert completed.returncode == 0 and f"wrote 2640 instances in 11 tiles to {folder / 'world.usda'}" in completed.stderr, completed.stdout + completed.stderr
+    assert "pyramid" not in completed.stderr
     return folder
 
 
@@ -31,9 +31,9 @@ def read(exported, tmp_path_factory) -> tuple[dict, dict[str, np.ndarray]]:
 
 
 def stage_of(folder: Path, scratch: Path) -> tuple[dict, dict[str, np.ndarray]]:
-    done = run([PYTHON, BAKES / "dump_usd.py", folder / "world.usda", scratch / "rows.npz"], timeout=60)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout), dict(np.load(scratch / "rows.npz"))
+    completed = run([PYTHON, BAKES / "dump_usd.py", folder / "world.usda", scratch / "rows.npz"], timeout=60)
+    assert completed.returncode == 0, completed.stderr
+    return json.loads(completed.stdout), dict(np.load(scratch / "rows.npz"))
 
 
 def test_the_stage_has_every_instance_at_its_position(read, expected):
@@ -96,9 +96,9 @@ def test_usd_with_pyramids_and_selected_tiles(copy, tmp_path):
 
 def test_textures_are_written_once(tmp_path):
     """Checks that models with the same texture refer to one file, and that texture coordinates are flipped."""
-    done = run([PYTHON, "-c", TEXTURED, tmp_path], timeout=60, cwd=REPO / "tools/bake")
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout) == [1, ["./textures", "./textures"], [[0.25, 0.25]], ["a", "rgb"]]
+    completed = run([PYTHON, "-c", TEXTURED, tmp_path], timeout=60, cwd=REPO / "tools/bake")
+    assert completed.returncode == 0, completed.stderr
+    assert json.loads(completed.stdout) == [1, ["./textures", "./textures"], [[0.25, 0.25]], ["a", "rgb"]]
 
 
 TEXTURED = """

@@ -37,8 +37,8 @@ script = SubResource("1")
 
 @pytest.fixture(scope="module")
 def world(bake, game) -> Path:
-    done = reader("godot", bake, game / "world", "--cell", "25")
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = reader("godot", bake, game / "world", "--cell", "25")
+    assert completed.returncode == 0, completed.stdout + completed.stderr
     return game / "world"
 
 
@@ -101,10 +101,10 @@ def test_foreign_scripts_do_not_run(engine, game, hurt, request):
 def test_foreign_files_are_rejected_for_their_values(godot, game, world, tmp_path):
     """Checks tiles with changed bits, and tiles in which each field is replaced by values of any kind, with matching
     digests as in forged files."""
-    done = godot(["--path", game, "--script", BAKES / "foreign_tiles.gd", "--", "res://world/baked_world.baked", tmp_path / "foreign"], timeout=300)
-    printed = done.stdout + done.stderr
-    cases = [json.loads(line) for line in re.findall(r"^case (.*)$", done.stdout, re.MULTILINE)]
-    assert done.returncode == 0 and len(cases) > 1000 and not [line for line in complaints(printed) if "SCRIPT" in line], printed[-4000:]
+    completed = godot(["--path", game, "--script", BAKES / "foreign_tiles.gd", "--", "res://world/baked_world.baked", tmp_path / "foreign"], timeout=300)
+    printed = completed.stdout + completed.stderr
+    cases = [json.loads(line) for line in re.findall(r"^case (.*)$", completed.stdout, re.MULTILINE)]
+    assert completed.returncode == 0 and len(cases) > 1000 and not [line for line in complaints(printed) if "SCRIPT" in line], printed[-4000:]
     taken = [what for what, refused in cases if not refused]
     harmless = {"good", "nodes = []", "begin = 0.5", "begin = 1000000000.0", "end = 0.5", "end = 1000000000.0", "box = null", "no box", "material = -1", 'name = "x"'}
     harmless |= {"render_layers = 1000000000.0", "index layer_names = []", "index meshes = []", 'index scene_digest = "x"', "index tile_size = 0.5"}
@@ -120,15 +120,15 @@ def test_an_unusable_index_is_reported(godot, game, hurt):
     """Checks the errors for a damaged index and for an index resource written by an earlier version."""
     index = hurt / "baked_world.baked"
     index.write_bytes(index.read_bytes()[:-1])
-    done = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://hurt/hurt.tscn"], timeout=60)
-    errors = complaints(done.stdout + done.stderr)
+    completed = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://hurt/hurt.tscn"], timeout=60)
+    errors = complaints(completed.stdout + completed.stderr)
     assert len(errors) == 1 and "ScatterBakedWorld.index_file is res://hurt/baked_world.baked" in errors[0] and "it is damaged" in errors[0] and "bake_export.sh" in errors[0]
     old = '[gd_resource type="Resource" script_class="BakedWorldIndex" format=3]\n[ext_resource type="Script" path="res://addons/thicket/baked_world_index.gd" id="1"]\n'
     (game / "old.tres").write_text(old + '[resource]\nscript = ExtResource("1")\nscene_digest = "5ce7e"\n')
     world = '[gd_scene format=3]\n[ext_resource type="Script" path="res://addons/thicket/baked_world.gd" id="1"]\n[ext_resource type="Resource" path="res://old.tres" id="2"]\n'
     (game / "old.tscn").write_text(world + '[node name="World" type="Node3D"]\nscript = ExtResource("1")\nindex = ExtResource("2")\n')
-    done = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://old.tscn"], timeout=60)
-    errors = complaints(done.stdout + done.stderr)
+    completed = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://old.tscn"], timeout=60)
+    errors = complaints(completed.stdout + completed.stderr)
     assert len(errors) == 1 and "ScatterBakedWorld.index names res://old.tres, which an earlier version exported" in errors[0] and "Export the bake again" in errors[0], errors
 
 
@@ -162,8 +162,8 @@ def test_a_game_export_includes_the_files(godot, game, world, tmp_path):
     world."""
     (game / "export_presets.cfg").write_text(PRESETS)
     godot(["--path", game, "--import"], timeout=300)
-    done = godot(["--path", game, "--export-pack", "Linux", tmp_path / "game.zip"], timeout=300)
+    completed = godot(["--path", game, "--export-pack", "Linux", tmp_path / "game.zip"], timeout=300)
     packed = tmp_path / "game.zip"
-    assert packed.is_file(), done.stdout + done.stderr
+    assert packed.is_file(), completed.stdout + completed.stderr
     names = set(zipfile.ZipFile(packed).namelist())
     assert {f"world/{file.relative_to(world).as_posix()}" for file in world.rglob("*.baked")} <= names, names

@@ -34,8 +34,8 @@ def make_world(folder: Path) -> Path:
     new_project(folder, f'config/use_custom_user_dir=true\nconfig/custom_user_dir_name="{user_folder_name(folder)}"\n')
     for script in ("hills.gd", "make_world.gd", "game.gd"):
         shutil.copy(BAKES / script, folder)
-    done = run([REPO / "tools/godot", "--headless", "--path", folder, "--script", "make_world.gd"], timeout=60)
-    assert done.returncode == 0 and (folder / "world.tscn").is_file(), done.stdout + done.stderr
+    completed = run([REPO / "tools/godot", "--headless", "--path", folder, "--script", "make_world.gd"], timeout=60)
+    assert completed.returncode == 0 and (folder / "world.tscn").is_file(), completed.stdout + completed.stderr
     return folder
 
 
@@ -95,8 +95,8 @@ class Baked:
 
 def bake(project: Path, out: Path, *options: str, timeout: float = 120, **further) -> Baked:
     """Bakes the test world with the command-line program, and waits until it exits."""
-    done = run(command(project, out, *options), timeout, env=environment(), **further)
-    return Baked(done.returncode, done.stdout + done.stderr, out)
+    completed = run(command(project, out, *options), timeout, env=environment(), **further)
+    return Baked(completed.returncode, completed.stdout + completed.stderr, out)
 
 
 def begin(project: Path, out: Path, *options: str) -> subprocess.Popen:
@@ -176,6 +176,6 @@ def world(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def baked(world, tmp_path_factory) -> Baked:
     """Returns the world, baked by two workers."""
-    done = bake(world, tmp_path_factory.mktemp("baked"), "--workers", "2")
-    assert done.code == 0, done.output
-    return done
+    completed = bake(world, tmp_path_factory.mktemp("baked"), "--workers", "2")
+    assert completed.code == 0, completed.output
+    return completed

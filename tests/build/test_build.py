@@ -117,8 +117,8 @@ def test_core_compiles_separately(tmp_path):
         unit = f"unit_{number}.cpp"
         (tmp_path / unit).write_text(f'#include "{headers[number]}"\n')
         # Compiler caches store a compilation only if the path of the object is relative.
-        done = run(["g++", "-std=c++20", "-c", f"-I{REPO}/extension", unit], timeout=120, cwd=tmp_path)
-        return f"{headers[number]}:\n{done.stderr[:2000]}" if done.returncode else ""
+        completed = run(["g++", "-std=c++20", "-c", f"-I{REPO}/extension", unit], timeout=120, cwd=tmp_path)
+        return f"{headers[number]}:\n{completed.stderr[:2000]}" if completed.returncode else ""
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         failures = [text for text in pool.map(complaint, range(len(headers))) if text]
@@ -157,8 +157,8 @@ def test_every_test_of_the_core_belongs_to_one_room():
 
 def test_a_room_can_be_tested_alone():
     """Checks that room.sh runs the test cases of a room, passes arguments to doctest, and rejects unknown rooms."""
-    done = run(["bash", "tests/room.sh", "base", "*", "--no-skipped-summary"], timeout=900, cwd=REPO)
-    assert done.returncode == 0 and re.search(r"test cases: +[1-9]\d* \|", done.stdout), done.stdout + done.stderr
+    completed = run(["bash", "tests/room.sh", "base", "*", "--no-skipped-summary"], timeout=900, cwd=REPO)
+    assert completed.returncode == 0 and re.search(r"test cases: +[1-9]\d* \|", completed.stdout), completed.stdout + completed.stderr
     wrong = run(["bash", "tests/room.sh", "cellar"], timeout=120, cwd=REPO)
     assert wrong.returncode != 0 and "no such room; the rooms are base, sampling" in wrong.stderr, wrong.stderr
 
@@ -166,8 +166,8 @@ def test_a_room_can_be_tested_alone():
 @pytest.fixture(scope="module")
 def commands() -> list[dict]:
     """Returns the compile commands of all sources, from compile_commands.json."""
-    done = run(["scons", "-Q", "compiledb"], timeout=300, cwd=REPO)
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = run(["scons", "-Q", "compiledb"], timeout=300, cwd=REPO)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
     again = run(["scons", "-Q", "-q", "compiledb"], timeout=300, cwd=REPO)
     assert again.returncode == 0, "it would be rewritten although nothing has changed"
     return json.loads((REPO / "compile_commands.json").read_text(encoding="utf-8"))
@@ -197,8 +197,8 @@ def test_every_source_has_its_command(commands):
 
 def test_debugger_build():
     """Checks that dev_build=yes compiles with -Og -g3 into a separate folder."""
-    done = run(["scons", "-Q", "-n", "dev_build=yes", "core"], timeout=300, cwd=REPO)
-    assert done.returncode == 0 and f"{BUILD_DIR.name}.dev/libthicket_core.a" in done.stdout, done.stdout + done.stderr
+    completed = run(["scons", "-Q", "-n", "dev_build=yes", "core"], timeout=300, cwd=REPO)
+    assert completed.returncode == 0 and f"{BUILD_DIR.name}.dev/libthicket_core.a" in completed.stdout, completed.stdout + completed.stderr
     compiled = f"build/{BUILD_DIR.name}.dev/obj/extension/core/base/orientation.o"
     built = run(["scons", "-Q", "dev_build=yes", compiled], timeout=300, cwd=REPO)
     assert built.returncode == 0, built.stdout + built.stderr
@@ -230,8 +230,8 @@ def test_core_needs_no_godot(tmp_path):
     """Checks that the core, the tests and the benchmarks can be built without Godot."""
     bare = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "THICKET_CACHE": str(tmp_path), "GODOT": "/nowhere/godot"}
     sources = ["highway=%s" % installed.highway_folder(), "lodepng=%s" % installed.lodepng_folder()]
-    done = run(["scons", "-Q", "-n", *sources, "core", "tests", "bench"], timeout=120, cwd=REPO, env=bare)
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = run(["scons", "-Q", "-n", *sources, "core", "tests", "bench"], timeout=120, cwd=REPO, env=bare)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
 
 
 @pytest.mark.parametrize(
@@ -252,9 +252,9 @@ def test_core_needs_no_godot(tmp_path):
     ],
 )
 def test_wrong_option_is_rejected(option):
-    done = run(["scons", "-Q", "-n", option, "core"], timeout=120, cwd=REPO)
-    assert done.returncode != 0
-    assert option.split("=")[0] in done.stdout + done.stderr
+    completed = run(["scons", "-Q", "-n", option, "core"], timeout=120, cwd=REPO)
+    assert completed.returncode != 0
+    assert option.split("=")[0] in completed.stdout + completed.stderr
 
 
 @pytest.mark.parametrize(
@@ -268,8 +268,8 @@ def test_wrong_option_is_rejected(option):
     ],
 )
 def test_impossible_builds_are_rejected_with_a_message(options, sentence):
-    done = run(["scons", "-Q", "-n", *options, "core"], timeout=120, cwd=REPO)
-    assert done.returncode != 0 and sentence in done.stderr, done.stdout + done.stderr
+    completed = run(["scons", "-Q", "-n", *options, "core"], timeout=120, cwd=REPO)
+    assert completed.returncode != 0 and sentence in completed.stderr, completed.stdout + completed.stderr
 
 
 def test_builds_for_other_systems_use_separate_folders():
@@ -281,22 +281,22 @@ def test_builds_for_other_systems_use_separate_folders():
         (["platform=macos", "arch=arm64", "precision=double"], "macos.template_debug.arm64.double.zig"),
         (["platform=linux", "arch=x86_64", "ship=yes"], "linux.ship.x86_64.zig"),
     ):
-        done = run(["scons", "-Q", "-n", *compiler, *options, "core", "extension"], timeout=300, cwd=REPO)
-        assert done.returncode == 0, done.stdout + done.stderr
-        made = set(re.findall(r"^(?:compile|archive|link) +(\S+)", done.stdout, re.MULTILINE)) - {"extension"}
+        completed = run(["scons", "-Q", "-n", *compiler, *options, "core", "extension"], timeout=300, cwd=REPO)
+        assert completed.returncode == 0, completed.stdout + completed.stderr
+        made = set(re.findall(r"^(?:compile|archive|link) +(\S+)", completed.stdout, re.MULTILINE)) - {"extension"}
         linked = [path for path in made if "libthicket." in path]
         assert linked and all(path.startswith(f"build/{folder}/") for path in linked), linked
         assert f"build/{folder.replace('.double', '')}/libthicket_core.a" in made, made
-        assert "demo_project/addons/thicket/bin" not in done.stdout
+        assert "demo_project/addons/thicket/bin" not in completed.stdout
 
 
 def test_godot_cpp_without_a_library_is_rejected(tmp_path):
     """Checks that the error for a folder without a built godot-cpp names the missing library."""
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin/libgodot-cpp.linux.template_release.wasm32.a").touch()
-    done = run(["scons", "-Q", "-n", f"godot_cpp={tmp_path}", "extension"], timeout=120, cwd=REPO)
-    assert done.returncode != 0
-    assert "template_debug" in done.stderr and "wasm32" in done.stderr, done.stderr
+    completed = run(["scons", "-Q", "-n", f"godot_cpp={tmp_path}", "extension"], timeout=120, cwd=REPO)
+    assert completed.returncode != 0
+    assert "template_debug" in completed.stderr and "wasm32" in completed.stderr, completed.stderr
 
 
 ADDON = REPO / "demo_project/addons/thicket"

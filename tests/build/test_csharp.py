@@ -25,8 +25,8 @@ pytestmark = pytest.mark.skipif(shutil.which("mcs") is None, reason="the Mono co
 
 
 def generated(folder: Path) -> list[Path]:
-    done = run([sys.executable, GENERATOR, "--out", folder, *(REPO / "extension/doc_classes").glob("*.xml")], timeout=60)
-    assert done.returncode == 0, done.stderr
+    completed = run([sys.executable, GENERATOR, "--out", folder, *(REPO / "extension/doc_classes").glob("*.xml")], timeout=60)
+    assert completed.returncode == 0, completed.stderr
     return sorted(folder.glob("*.cs"))
 
 
@@ -70,8 +70,8 @@ def compile_all(folder: Path, files: list[Path], *more: str):
 
 
 def test_every_class_has_a_wrapper_that_compiles(wrappers, tmp_path):
-    done = compile_all(tmp_path, wrappers)
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = compile_all(tmp_path, wrappers)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
     names = {ElementTree.parse(page).getroot().get("name") for page in PAGES}
     assert {path.stem for path in wrappers} == names | {"ThicketObject"}
 
@@ -94,8 +94,8 @@ def test_the_example_of_the_documentation_compiles(wrappers, tmp_path):
     assert examples, "docs/howto/csharp.md has no example"
     if not (REPO / "extension/doc_classes/ScatterRequest.xml").is_file():
         pytest.skip("the class reference is older than the example")
-    done = compile_all(tmp_path, wrappers, *examples)
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = compile_all(tmp_path, wrappers, *examples)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
 
 
 @pytest.mark.parametrize(
@@ -110,8 +110,8 @@ def test_the_example_of_the_documentation_compiles(wrappers, tmp_path):
 )
 def test_wrong_code_does_not_compile(wrappers, tmp_path, body):
     source = f"using Godot; using Thicket; class Wrong {{ void Run() {{ {body} }} }}"
-    done = compile_all(tmp_path, wrappers, source)
-    assert done.returncode != 0 and "source_0.cs" in done.stdout + done.stderr, done.stdout + done.stderr
+    completed = compile_all(tmp_path, wrappers, source)
+    assert completed.returncode != 0 and "source_0.cs" in completed.stdout + completed.stderr, completed.stdout + completed.stderr
 
 
 def test_generated_files_are_replaced_and_others_kept(tmp_path):

@@ -25,9 +25,9 @@ RELEASES = ["4.4", "4.5", "4.6", "4.7"]
 
 
 def script(name: str, *arguments) -> subprocess.CompletedProcess[str]:
-    done = run([sys.executable, BINDINGS / name, *arguments], timeout=120)
-    assert "Traceback" not in done.stderr, done.stderr
-    return done
+    completed = run([sys.executable, BINDINGS / name, *arguments], timeout=120)
+    assert "Traceback" not in completed.stderr, completed.stderr
+    return completed
 
 
 def dumped(build_dir: Path) -> Path:
@@ -51,16 +51,16 @@ def release(path: Path) -> str:
 
 
 def test_this_engine_has_what_the_bindings_rely_on(build_dir):
-    done = script("check.py", dumped(build_dir))
-    assert done.returncode == 0 and not done.stdout, done.stdout
+    completed = script("check.py", dumped(build_dir))
+    assert completed.returncode == 0 and not completed.stdout, completed.stdout
 
 
 @pytest.mark.parametrize("version", RELEASES)
 def test_a_release_has_what_the_bindings_rely_on(version):
     path = released(version)
     assert release(path) == version
-    done = script("check.py", path)
-    assert done.returncode == 0 and not done.stdout, done.stdout
+    completed = script("check.py", path)
+    assert completed.returncode == 0 and not completed.stdout, completed.stdout
 
 
 def named(items: list[dict], name: str) -> dict:
@@ -150,9 +150,9 @@ def damaged(tmp_path: Path, damage: Callable[[dict], object]) -> Path:
 @pytest.mark.parametrize("name", DAMAGES)
 def test_a_difference_is_found(name, tmp_path):
     damage, sentence = DAMAGES[name]
-    done = script("check.py", damaged(tmp_path, damage))
-    assert done.returncode != 0 and sentence in done.stdout, done.stdout + done.stderr
-    assert done.stdout.count("\n") == 1, done.stdout
+    completed = script("check.py", damaged(tmp_path, damage))
+    assert completed.returncode != 0 and sentence in completed.stdout, completed.stdout + completed.stderr
+    assert completed.stdout.count("\n") == 1, completed.stdout
 
 
 def test_harmless_changes_are_ignored(tmp_path):
@@ -165,8 +165,8 @@ def test_harmless_changes_are_ignored(tmp_path):
         named(api["classes"], "Noise")["inherits"] = "Between"
         of_class(api, "Image", "enums", "Format")["values"].append({"name": "FORMAT_NEW", "value": 100})
 
-    done = script("check.py", damaged(tmp_path, harmless))
-    assert done.returncode == 0, done.stdout
+    completed = script("check.py", damaged(tmp_path, harmless))
+    assert completed.returncode == 0, completed.stdout
 
 
 def test_numbers_in_engine_code_are_compared():
@@ -213,8 +213,8 @@ def test_the_description_matches_the_release(tmp_path):
 
 def test_another_release_is_not_accepted_as_the_oldest(tmp_path, build_dir):
     version = release(dumped(build_dir))
-    done = describe(dumped(build_dir), tmp_path / "description_4.1.json")
-    assert done.returncode != 0 and version in done.stderr and "4.1" in done.stderr
+    completed = describe(dumped(build_dir), tmp_path / "description_4.1.json")
+    assert completed.returncode != 0 and version in completed.stderr and "4.1" in completed.stderr
     assert describe(dumped(build_dir), tmp_path / f"description_{version}.json").returncode == 0
 
 
@@ -232,10 +232,10 @@ def test_another_release_is_not_accepted_as_the_oldest(tmp_path, build_dir):
 def test_missing_api_is_reported_by_name(addition, words, tmp_path, build_dir):
     used = tmp_path / "used.toml"
     used.write_text(USED.read_text() + "\n" + addition + "\n")
-    done = describe(dumped(build_dir), tmp_path / f"description_{release(dumped(build_dir))}.json", used)
-    assert done.returncode != 0
+    completed = describe(dumped(build_dir), tmp_path / f"description_{release(dumped(build_dir))}.json", used)
+    assert completed.returncode != 0
     for word in words:
-        assert word in done.stderr
+        assert word in completed.stderr
 
 
 # --- The generator -----------------------------------------------------------------------------------------------------
@@ -269,10 +269,10 @@ def test_generator_names_api_that_the_description_lacks(before, after, words, tm
     text = USED.read_text()
     assert before in text
     used.write_text(text.replace(before, after) if before else text + "\n" + after + "\n")
-    done = generate(tmp_path / "out", build_dir, used)
-    assert done.returncode != 0
+    completed = generate(tmp_path / "out", build_dir, used)
+    assert completed.returncode != 0
     for word in [*words, "4.4", "extension/bindings/describe.py --api"]:
-        assert word in done.stderr
+        assert word in completed.stderr
 
 
 def test_interface_functions_are_old_enough(tmp_path, build_dir):
@@ -282,9 +282,9 @@ def test_interface_functions_are_old_enough(tmp_path, build_dir):
     late = tmp_path / "late.h"
     late.write_text(re.sub(r"(@name variant_call\n \* @since) [\d.]+", r"\1 4.10", header))
     assert late.read_text() != header
-    done = generate(tmp_path / "out", build_dir, interface=late)
-    assert done.returncode != 0
-    assert "variant_call" in done.stderr and "4.10" in done.stderr and "4.4" in done.stderr
+    completed = generate(tmp_path / "out", build_dir, interface=late)
+    assert completed.returncode != 0
+    assert "variant_call" in completed.stderr and "4.10" in completed.stderr and "4.4" in completed.stderr
     late.write_text(header.replace("@name variant_call\n", "@name variant_cry\n"))
-    done = generate(tmp_path / "out", build_dir, interface=late)
-    assert done.returncode != 0 and "'variant_call'" in done.stderr
+    completed = generate(tmp_path / "out", build_dir, interface=late)
+    assert completed.returncode != 0 and "'variant_call'" in completed.stderr

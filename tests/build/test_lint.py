@@ -34,8 +34,8 @@ def test_type_names_are_unique():
 @pytest.fixture(scope="module")
 def database():
     # The long timeout includes waiting for builds that other tests run in this tree.
-    done = run(["scons", "-Q", "compiledb"], timeout=1800, cwd=REPO)
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = run(["scons", "-Q", "compiledb"], timeout=1800, cwd=REPO)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
 
 
 def test_clang_tidy_finds_nothing_in_the_extension(database):

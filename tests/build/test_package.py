@@ -38,8 +38,8 @@ def pack(names: list[str], out: Path) -> dict[str, Path]:
     """Runs tools/package.sh for these builds, or for all builds if `names` is empty. Returns the path of each zip by
     its name."""
     # Each of the fourteen builds takes 2.5 minutes on two cores, or 8 minutes while two other workers are running.
-    done = run(["bash", "tools/package.sh", "--out", out, *names], timeout=3 * 3600, cwd=REPO)
-    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+    completed = run(["bash", "tools/package.sh", "--out", out, *names], timeout=3 * 3600, cwd=REPO)
+    assert completed.returncode == 0, completed.stdout[-4000:] + completed.stderr[-4000:]
     sums = dict(reversed(line.split()) for line in (out / "SHA256SUMS").read_text().splitlines())
     zips = {path.name: path for path in out.glob("*.zip")}
     assert sums == {name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in zips.items()}
@@ -157,8 +157,8 @@ def test_builds_are_reproducible(zips, tmp_path):
     """Checks that building a library in another folder and packing it produces identical zips."""
     copy = tmp_path / "elsewhere"
     shutil.copytree(REPO, copy, ignore=shutil.ignore_patterns("build", ".godot", "__pycache__"), symlinks=True)
-    done = run(["bash", "tools/package.sh", "--out", tmp_path / "again", "linux.x86_64"], timeout=3600, cwd=copy)
-    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+    completed = run(["bash", "tools/package.sh", "--out", tmp_path / "again", "linux.x86_64"], timeout=3600, cwd=copy)
+    assert completed.returncode == 0, completed.stdout[-4000:] + completed.stderr[-4000:]
     here = pack(["linux.x86_64"], tmp_path / "here")
     for name in ("thicket", "thicket-demo"):
         other = next((tmp_path / "again").glob(f"{name}-[0-9]*.zip"))
@@ -172,9 +172,9 @@ def compile_loader(compiler: list[str | Path], name: str) -> Path:
     """Compiles the program of tests/loader with a compiler for another system. Returns its path."""
     program = REPO / "build/loader" / name
     program.parent.mkdir(parents=True, exist_ok=True)
-    done = run([*compiler, "-std=c++20", "-O1", "-I.", "-Ibuild/engine", *sorted((REPO / "tests/loader").glob("*.cpp")), "-o", program],
+    completed = run([*compiler, "-std=c++20", "-O1", "-I.", "-Ibuild/engine", *sorted((REPO / "tests/loader").glob("*.cpp")), "-o", program],
         timeout=600, cwd=REPO)  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert completed.returncode == 0, completed.stderr
     return program
 
 
@@ -185,9 +185,9 @@ def zig_loader(target: str, *flags: str) -> Path:
 def registered(program: list[str | Path], library: Path, environment: dict[str, str] | None = None) -> list[str]:
     """Loads a library with the loader. Returns the lines that the loader prints, including the registered classes and
     members."""
-    done = run([*program, library, *(["double"] if ".double." in library.name else [])], timeout=300, env=environment)
-    assert done.returncode == 0, library.name + done.stdout[-2000:] + done.stderr[-2000:]
-    lines = done.stdout.replace("\r", "").splitlines()
+    completed = run([*program, library, *(["double"] if ".double." in library.name else [])], timeout=300, env=environment)
+    assert completed.returncode == 0, library.name + completed.stdout[-2000:] + completed.stderr[-2000:]
+    lines = completed.stdout.replace("\r", "").splitlines()
     assert re.fullmatch(r"loaded and closed, \d+ classes, \d+ functions of the engine", lines[-1])
     return lines
 
@@ -261,14 +261,14 @@ def test_a_users_project(addon, godot, tmp_path):
     # Start the editor first, as users do. An import would exit right after finding the extension for the first time,
     # and Godot then crashes with any extension (github.com/godotengine/godot/issues/111048).
     for arguments in (["--editor", "--quit-after", "200"], ["--import"], ["--import"], ["--editor", "--quit-after", "200"]):
-        done = godot(["--path", project, *arguments], timeout=600)
-        wrong = [line for line in (done.stdout + done.stderr).splitlines() if complaint.search(line)]
-        assert done.returncode == 0 and not wrong, "\n".join(wrong)
+        completed = godot(["--path", project, *arguments], timeout=600)
+        wrong = [line for line in (completed.stdout + completed.stderr).splitlines() if complaint.search(line)]
+        assert completed.returncode == 0 and not wrong, "\n".join(wrong)
     shutil.rmtree(project / "addons/thicket")
     (project / "project.godot").write_text('config_version=5\n[application]\nconfig/name="A user\'s"\n')
     for arguments in (["--import"], ["--editor", "--quit-after", "30"]):
-        done = godot(["--path", project, *arguments], timeout=600)
-        assert done.returncode == 0, done.stdout + done.stderr
+        completed = godot(["--path", project, *arguments], timeout=600)
+        assert completed.returncode == 0, completed.stdout + completed.stderr
 
 
 GAME = """extends Node3D
@@ -322,13 +322,13 @@ def test_an_exported_game_has_the_same_digests(addon, godot, tmp_path):
     shutil.copytree(addon, project / "addons/thicket")
     (tmp_path / "game").mkdir()
     for arguments in (["--editor", "--quit-after", "200"], ["--export-release", "Linux", tmp_path / "game/game.x86_64"]):
-        done = godot(["--path", project, *arguments], timeout=600)
-        assert done.returncode == 0, done.stdout + done.stderr
+        completed = godot(["--path", project, *arguments], timeout=600)
+        assert completed.returncode == 0, completed.stdout + completed.stderr
     assert {path.name for path in (tmp_path / "game").iterdir()} == {
         "game.x86_64", "game.pck", "libthicket.linux.template_release.x86_64.so"}  # fmt: skip
     played = godot(["--path", project], timeout=300)
     exported = in_godots_root([tmp_path / "game/game.x86_64", "--headless"], 300)
-    digests = [re.findall(r"^digests (\[.*\]) (\w+)$", done.stdout, re.MULTILINE) for done in (played, exported)]
+    digests = [re.findall(r"^digests (\[.*\]) (\w+)$", completed.stdout, re.MULTILINE) for completed in (played, exported)]
     assert digests[0] and digests[1], played.stdout + exported.stdout + exported.stderr
     # Empty tiles have digest 0. Both games would also print the same digests if their tiles were empty or nothing was removed.
     tiles_and_states = re.findall(r"-?\d+", digests[0][0][0])
@@ -349,7 +349,7 @@ def test_the_engine_for_arm_runs_the_unpacked_add_on(addon, tmp_path, record_pro
     (project / ".godot").mkdir()
     (project / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
     for script in ("test_build_rect.gd", "test_domain.gd", "test_layer_rules.gd", "test_state.gd"):
-        done = run(["qemu-aarch64", "-L", root, root / "usr/bin/godot", "--headless", "--path", project, "--script", script], timeout=1800,
+        completed = run(["qemu-aarch64", "-L", root, root / "usr/bin/godot", "--headless", "--path", project, "--script", script], timeout=1800,
             env={**os.environ, "LD_LIBRARY_PATH": ""})  # fmt: skip
-        assert done.returncode == 0 and ", 0 failed" in done.stdout, f"{script}:\n{done.stdout[-3000:]}{done.stderr[-3000:]}"
-    record_property("engine", engine_of(done.stdout))
+        assert completed.returncode == 0 and ", 0 failed" in completed.stdout, f"{script}:\n{completed.stdout[-3000:]}{completed.stderr[-3000:]}"
+    record_property("engine", engine_of(completed.stdout))

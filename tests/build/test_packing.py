@@ -134,8 +134,8 @@ def shipped_names(build: package.Build) -> list[str]:
 
 
 def test_wrong_names_are_rejected():
-    done = run([sys.executable, REPO / "tools/package/package.py", "amiga.m68k"], timeout=60)
-    assert done.returncode == 2 and "no such build: amiga.m68k" in done.stderr and "linux.x86_64" in done.stderr
+    completed = run([sys.executable, REPO / "tools/package/package.py", "amiga.m68k"], timeout=60)
+    assert completed.returncode == 2 and "no such build: amiga.m68k" in completed.stderr and "linux.x86_64" in completed.stderr
 
 
 def test_builds_are_listed():
@@ -146,8 +146,8 @@ def test_builds_are_listed():
         (["--out", "/tmp/windows"], [build.name for build in package.BUILDS]),
         (["linux.x86_64", "web.wasm32.nothreads"], ["linux.x86_64", "web.wasm32.nothreads"]),
     ):
-        done = run(["bash", "tools/package.sh", "--list", *arguments], timeout=60, cwd=REPO)
-        assert done.returncode == 0 and done.stdout.split() == names, done.stdout + done.stderr
+        completed = run(["bash", "tools/package.sh", "--list", *arguments], timeout=60, cwd=REPO)
+        assert completed.returncode == 0 and completed.stdout.split() == names, completed.stdout + completed.stderr
 
 
 @pytest.mark.parametrize("options", [["--engine-api", "build"], ["--built"]])
@@ -155,8 +155,8 @@ def test_packing_does_not_need_godot(options):
     """Checks that neither packing nor a build with Godot's API in a folder looks for Godot. The wrong name then ends the script."""
     if not Path(installed.zig_program()).exists() or not shutil.which("llvm-strip"):
         pytest.skip("tools/package.sh would install zig or LLVM")
-    done = run(["bash", "tools/package.sh", *options, "amiga.m68k"], timeout=120, cwd=REPO, env={**os.environ, "GODOT": "/nonexistent"})
-    assert done.returncode == 2 and "no such build: amiga.m68k" in done.stderr and "GODOT" not in done.stderr, done.stderr
+    completed = run(["bash", "tools/package.sh", *options, "amiga.m68k"], timeout=120, cwd=REPO, env={**os.environ, "GODOT": "/nonexistent"})
+    assert completed.returncode == 2 and "no such build: amiga.m68k" in completed.stderr and "GODOT" not in completed.stderr, completed.stderr
 
 
 def test_the_api_of_the_engine_is_passed_to_the_build(monkeypatch):

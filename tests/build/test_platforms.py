@@ -29,6 +29,6 @@ def test_no_case_fails_on_other_platforms(name):
     # The compiler is newer than ours and warns about doctest's macros, so warnings are not errors.
     build("use_zig=yes", "scu_build=yes", "werror=no", *options, f"build/{program}", timeout=3600)
     command = [*emulators.command(emulator, name, NATIVE), *more, REPO / "build" / program, "--no-intro", f"--test-case-exclude={LONG_CASES}"]
-    done = run(command, timeout=3 * 3600, cwd=REPO, env=emulators.environment(emulator))
-    assert done.returncode == 0, (done.stdout + done.stderr)[-8000:]
-    assert " 0 failed" in done.stdout
+    completed = run(command, timeout=3 * 3600, cwd=REPO, env=emulators.environment(emulator))
+    assert completed.returncode == 0, (completed.stdout + completed.stderr)[-8000:]
+    assert " 0 failed" in completed.stdout

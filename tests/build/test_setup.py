@@ -159,10 +159,10 @@ def test_without_missing_packages_no_network_is_used():
     """Runs the setup in an empty network namespace, where any network access fails."""
     if run(["unshare", "--net", "true"], timeout=20).returncode:
         pytest.skip("this user may not create a network namespace")
-    done = run(["unshare", "--net", "bash", "tools/setup.sh"], timeout=120, cwd=REPO)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "everything is installed" in done.stderr
-    assert "installing" not in done.stderr and "creating" not in done.stderr, done.stderr
+    completed = run(["unshare", "--net", "bash", "tools/setup.sh"], timeout=120, cwd=REPO)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    assert "everything is installed" in completed.stderr
+    assert "installing" not in completed.stderr and "creating" not in completed.stderr, completed.stderr
 
 
 def test_godot_runs_in_the_callers_folder(tmp_path):
@@ -174,6 +174,6 @@ def test_godot_runs_in_the_callers_folder(tmp_path):
         "extends SceneTree\nfunc _init():\n\tprint('ARGS ', OS.get_cmdline_user_args())\n\tquit(7)\n"
     )
     command = [REPO / "tools/godot", "--headless", "--script", "say.gd", "--", "one two", "*"]
-    done = run(command, timeout=120, cwd=folder)
-    assert done.returncode == 7, done.stdout + done.stderr
-    assert 'ARGS ["one two", "*"]' in done.stdout
+    completed = run(command, timeout=120, cwd=folder)
+    assert completed.returncode == 7, completed.stdout + completed.stderr
+    assert 'ARGS ["one two", "*"]' in completed.stdout

@@ -73,8 +73,8 @@ def link_runtime(library: Path, runtime: Path):
     names = names_of(library, "imports") - names_of(library, "exports") - of_engine | {"wrap_entry_point", "init_language"}
     flags = ["-O2", "-mbulk-memory", "-sSIDE_MODULE=2", "-sWASM_BIGINT", "-sEXPORTED_FUNCTIONS=" + ",".join(f"_{name}" for name in sorted(names)), "-Wl,-Bsymbolic"]
     libraries = ["-lc++-noexcept", "-lc++abi-noexcept", "-lc", "-lcompiler_rt"]
-    done = run([REPO / "tools/emscripten", "em++", *flags, PAGE / "runtime.cpp", *libraries, "-o", runtime], timeout=300, cwd=REPO)
-    assert done.returncode == 0, done.stderr
+    completed = run([REPO / "tools/emscripten", "em++", *flags, PAGE / "runtime.cpp", *libraries, "-o", runtime], timeout=300, cwd=REPO)
+    assert completed.returncode == 0, completed.stderr
 
 
 @pytest.fixture(scope="module")

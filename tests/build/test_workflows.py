@@ -55,8 +55,8 @@ def test_checkers_find_no_problem(checker, tmp_path):
     program = CHECKERS / checker[0]
     if not program.is_file():
         pytest.skip(f"no {checker[0]}: setup_workflow_checkers in tools/setup_full.sh installs it")
-    done = run([program, *checker[1:], *WORKFLOWS], timeout=60, cwd=REPO)
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = run([program, *checker[1:], *WORKFLOWS], timeout=60, cwd=REPO)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
     wrong = tmp_path / "wrong.yml"
     wrong.write_text("on: pull_request_target\njobs:\n  a:\n    runs-on: nowhere\n    steps:\n      - run: echo ${{ github.event.issue.title }}\n")
     assert run([program, *checker[1:], wrong], timeout=60).returncode != 0
@@ -101,8 +101,8 @@ def test_files_that_workflows_name_exist():
             for script in re.findall(r"[\w./]+\.(?:sh|py)\b", step.get("run", "")):
                 assert (REPO / script).is_file(), f"{path.name}: {script}"
     for script in SCRIPTS:
-        done = run(["bash", "-n", script], timeout=20)
-        assert done.returncode == 0, done.stderr
+        completed = run(["bash", "-n", script], timeout=20)
+        assert completed.returncode == 0, completed.stderr
 
 
 def test_notes_are_the_section_of_the_version():
@@ -148,8 +148,8 @@ def test_a_release_is_drafted_with_all_files(forge, tmp_path):
     for path in zips + packages:
         path.write_text(path.name)
     (dist / "SHA256SUMS").write_text("".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in zips))
-    done = run(["bash", ".github/draft_release.sh", dist], timeout=30, cwd=REPO, env=forge)
-    assert done.returncode == 0, done.stderr
+    completed = run(["bash", ".github/draft_release.sh", dist], timeout=30, cwd=REPO, env=forge)
+    assert completed.returncode == 0, completed.stderr
     called = (tmp_path / "called").read_text().splitlines()
     assert called[:5] == ["release", "create", f"v{version}", "--draft", "--verify-tag"]
     files = {name.rsplit("/", 1)[1] for name in called if name.startswith(str(dist))}
@@ -157,8 +157,8 @@ def test_a_release_is_drafted_with_all_files(forge, tmp_path):
     assert "libthicket.so" in run(["tar", "--list", "--file", dist / f"thicket-symbols-{version}.tar.xz"], timeout=20).stdout
     (tmp_path / "called").unlink()
     zips[0].write_text("damaged")
-    done = run(["bash", ".github/draft_release.sh", dist], timeout=30, cwd=REPO, env=forge)
-    assert done.returncode != 0 and not (tmp_path / "called").exists()
+    completed = run(["bash", ".github/draft_release.sh", dist], timeout=30, cwd=REPO, env=forge)
+    assert completed.returncode != 0 and not (tmp_path / "called").exists()
 
 
 def test_scripts_of_the_engine_tests_run_without_pytest(tmp_path):
@@ -173,6 +173,6 @@ def test_scripts_of_the_engine_tests_run_without_pytest(tmp_path):
     )
     godot.chmod(0o755)
     command = [sys.executable, "tests/engine/run_scripts.py", "--godot", godot, "--addon", addon]
-    done = run([*command, "test_state", "test_saves"], timeout=60, cwd=REPO)
-    assert done.returncode == 1 and "test_state: passed" in done.stdout and "test_saves: failed" in done.stdout, done.stdout + done.stderr
+    completed = run([*command, "test_state", "test_saves"], timeout=60, cwd=REPO)
+    assert completed.returncode == 1 and "test_state: passed" in completed.stdout and "test_saves: failed" in completed.stdout, completed.stdout + completed.stderr
     assert run([*command, "test_state"], timeout=60, cwd=REPO).returncode == 0

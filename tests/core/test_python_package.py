@@ -222,8 +222,8 @@ with ProcessPoolExecutor(2, multiprocessing.get_context("fork")) as pool:
     parts = list(pool.map(partial(poissontiles.sample, radius=1.0, seed=5), tiles))
 print(sum(map(len, parts)) == len(poissontiles.sample((0, 0, 60, 20), 1.0, 5)))
 """
-    done = script(wheel_python, text)
-    assert done.stdout == "True\n", done.stdout + done.stderr
+    completed = script(wheel_python, text)
+    assert completed.stdout == "True\n", completed.stdout + completed.stderr
 
 
 def test_memory_is_freed(wheel_python):
@@ -238,8 +238,8 @@ def work(count):
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 print(work(3) + 10_000 > work(15))
 """
-    done = script(wheel_python, text)
-    assert done.stdout == "True\n", done.stdout + done.stderr
+    completed = script(wheel_python, text)
+    assert completed.stdout == "True\n", completed.stdout + completed.stderr
 
 
 def test_an_empty_rectangle_has_no_points(poissontiles):
@@ -343,9 +343,9 @@ for work in (lambda: poissontiles.sample((0, 0, 8000, 8000), 1.0), lambda: poiss
         print(error)
 print(len(poissontiles.sample((0, 0, 9, 9), 1.0)) > 40)
 """
-    done = script(wheel_python, text)
-    assert re.fullmatch(r"rect needs more memory than is available, got .+\nsize needs more memory than is available, got 8000\. .+\nTrue\n", done.stdout), (
-        done.stdout + done.stderr
+    completed = script(wheel_python, text)
+    assert re.fullmatch(r"rect needs more memory than is available, got .+\nsize needs more memory than is available, got 8000\. .+\nTrue\n", completed.stdout), (
+        completed.stdout + completed.stderr
     )
 
 

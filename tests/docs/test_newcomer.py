@@ -52,15 +52,15 @@ def project(godot, tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def newcomer(godot_xvfb, project) -> str:
     """Returns the output of the editor in which the steps of the page are performed."""
-    done = godot_xvfb(["--single-window", "--editor", "--path", project, "--", "newcomer"], timeout=300)
-    return done.stdout + done.stderr
+    completed = godot_xvfb(["--single-window", "--editor", "--path", project, "--", "newcomer"], timeout=300)
+    return completed.stdout + completed.stderr
 
 
 @pytest.fixture(scope="module")
 def game(godot_xvfb, newcomer, project) -> str:
     """Returns the output of the game, which plays the newcomer's scene."""
-    done = godot_xvfb(["--path", project, "--script", "res://tests/newcomer_game.gd", "--", PICTURES / "newcomer_6.png"], timeout=120)
-    return done.stdout + done.stderr
+    completed = godot_xvfb(["--path", project, "--script", "res://tests/newcomer_game.gd", "--", PICTURES / "newcomer_6.png"], timeout=120)
+    return completed.stdout + completed.stderr
 
 
 def test_the_steps_of_the_readme(newcomer):
@@ -105,8 +105,8 @@ def test_frames_of_the_film(godot, godot_xvfb, tmp_path):
     folder = new_project(tmp_path, godot)
     shutil.rmtree(FRAMES, ignore_errors=True)
     FRAMES.mkdir(parents=True)
-    done = godot_xvfb(["--single-window", "--editor", "--path", folder, "--", "newcomer_film", FRAMES], timeout=600)
-    check_passed(done.stdout + done.stderr)
+    completed = godot_xvfb(["--single-window", "--editor", "--path", folder, "--", "newcomer_film", FRAMES], timeout=600)
+    check_passed(completed.stdout + completed.stderr)
     frames = sorted(FRAMES.glob("*.png"))
     shades = [np.asarray(Image.open(path).convert("L").resize(SMALL)).std() for path in frames]
     assert len(frames) > 60 and min(shades) > 15

@@ -63,21 +63,21 @@ def project(tmp_path_factory) -> Path:
 
 def test_examples_run(godot, project):
     assert len(EXAMPLES) >= 10
-    done = godot(["--path", project, "--script", "runner.gd"], timeout=120)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0, printed
-    assert f"examples: ran {len(EXAMPLES)}" in done.stdout, printed
+    completed = godot(["--path", project, "--script", "runner.gd"], timeout=120)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0, printed
+    assert f"examples: ran {len(EXAMPLES)}" in completed.stdout, printed
     assert not re.search(r"^(SCRIPT )?(ERROR|WARNING)", printed, re.MULTILINE), printed
-    shown = re.search(r"example 0 shows (\d+)", done.stdout)
+    shown = re.search(r"example 0 shows (\d+)", completed.stdout)
     assert shown and int(shown.group(1)) > 1000, f"the example of README.md: {printed}"
-    assert all(int(count) > 100 for count in re.findall(r"example \d+ shows (\d+)", done.stdout)), printed
-    assert re.search(r"example \d+ height 1\.91", done.stdout), printed  # 4 sin(0.5) = 1.9177
-    assert re.search(r"\d{3,} points; the first is \d+ at", done.stdout), printed
-    assert re.search(r"^\d{3,} oaks; the first is at \(", done.stdout, re.MULTILINE), printed
-    assert re.search(r"^the ray hits \d+ after \d+\.\d+ m$", done.stdout, re.MULTILINE), printed
-    assert "\nthe same forest: true\n" in done.stdout, printed
-    assert re.search(r"^\d{3,} oaks there$", done.stdout, re.MULTILINE), printed
-    assert re.search(r"^felled \d+$", done.stdout, re.MULTILINE) and "\nstill felled: true\n" in done.stdout, printed
+    assert all(int(count) > 100 for count in re.findall(r"example \d+ shows (\d+)", completed.stdout)), printed
+    assert re.search(r"example \d+ height 1\.91", completed.stdout), printed  # 4 sin(0.5) = 1.9177
+    assert re.search(r"\d{3,} points; the first is \d+ at", completed.stdout), printed
+    assert re.search(r"^\d{3,} oaks; the first is at \(", completed.stdout, re.MULTILINE), printed
+    assert re.search(r"^the ray hits \d+ after \d+\.\d+ m$", completed.stdout, re.MULTILINE), printed
+    assert "\nthe same forest: true\n" in completed.stdout, printed
+    assert re.search(r"^\d{3,} oaks there$", completed.stdout, re.MULTILINE), printed
+    assert re.search(r"^felled \d+$", completed.stdout, re.MULTILINE) and "\nstill felled: true\n" in completed.stdout, printed
 
 
 def test_the_readme_is_short():

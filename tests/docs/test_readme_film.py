@@ -67,8 +67,8 @@ def test_the_command_makes_a_film(imported_demo, tmp_path):
     """Makes a film of two frames per flight."""
     if not shutil.which("ffmpeg"):
         pytest.skip("no ffmpeg to encode the film: run tests/run.sh --full, which installs it")
-    done = run(["bash", "tools/film.sh", "--built", "--short", tmp_path], timeout=600, cwd=REPO)
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = run(["bash", "tools/film.sh", "--built", "--short", tmp_path], timeout=600, cwd=REPO)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
     frames, seconds = frames_of(tmp_path / "film.webp")
     flights = [path for path in (tmp_path / "frames").iterdir() if path.is_dir()]
     assert len(flights) == 4 and all(len(list(flight.glob("*.png"))) == 2 for flight in flights)

@@ -29,8 +29,8 @@ def site(godot) -> Path:
     """Builds the site as a contributor does, and returns its folder. Without an engine, the test is skipped."""
     if not PYTHON.is_file():
         pytest.skip("the site needs the packages of docs/requirements.txt: run tests/run.sh, which installs them")
-    done = run(["bash", "docs/build.sh"], timeout=300, cwd=REPO)
-    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+    completed = run(["bash", "docs/build.sh"], timeout=300, cwd=REPO)
+    assert completed.returncode == 0, completed.stdout[-4000:] + completed.stderr[-4000:]
     return SITE
 
 
@@ -109,9 +109,9 @@ def test_mistakes_are_errors(site, tmp_path):
     with (tmp_path / "docs/faq.md").open("a", encoding="utf-8") as page:
         page.write("\n\n" + "\n\n".join(mistakes) + "\n")
     flags = re.search(r"--fail-on-warning.*--nitpicky", (DOCS / "build.sh").read_text(encoding="utf-8")).group(0).split()
-    done = run([PYTHON, "-m", "sphinx", "--builder", "html", *flags, "-d", tmp_path / "trees", tmp_path / "docs", tmp_path / "html"], timeout=120)
-    assert done.returncode != 0
-    warnings = [line for line in done.stderr.splitlines() if "WARNING" in line]
+    completed = run([PYTHON, "-m", "sphinx", "--builder", "html", *flags, "-d", tmp_path / "trees", tmp_path / "docs", tmp_path / "html"], timeout=120)
+    assert completed.returncode != 0
+    warnings = [line for line in completed.stderr.splitlines() if "WARNING" in line]
     for line, name in mistakes.items():
         assert any("faq.md" in warning or "faq:" in warning for warning in warnings if name in warning), f"{line}: {warnings}"
 
@@ -129,8 +129,8 @@ def test_an_unknown_name_in_the_class_reference_is_an_error(site, tmp_path, mist
         "reference.write_engine_reference = lambda folder: None\n"
         "reference.main()\n"
     )
-    done = run([PYTHON, "-c", script, ours, tmp_path, tmp_path / "pages"], timeout=60, cwd=REPO)
-    assert done.returncode != 0 and "fix extension/doc_classes" in done.stderr and "ScatterLod.xml" in done.stderr, done.stderr
+    completed = run([PYTHON, "-c", script, ours, tmp_path, tmp_path / "pages"], timeout=60, cwd=REPO)
+    assert completed.returncode != 0 and "fix extension/doc_classes" in completed.stderr and "ScatterLod.xml" in completed.stderr, completed.stderr
 
 
 # --- In a browser -------------------------------------------------------------------------------------------------------
@@ -213,9 +213,9 @@ def chromium(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(scope="module")
 def seen(address, tmp_path_factory) -> list[dict]:
-    done = chromium(tmp_path_factory.mktemp("chromium"), "--virtual-time-budget=600000", "--dump-dom", f"{address}/driver.html")
-    found = re.search(r'<pre id="out">(.+?)</pre>', done.stdout, re.DOTALL)
-    assert found, done.stdout[-2000:] + done.stderr[-2000:]
+    completed = chromium(tmp_path_factory.mktemp("chromium"), "--virtual-time-budget=600000", "--dump-dom", f"{address}/driver.html")
+    found = re.search(r'<pre id="out">(.+?)</pre>', completed.stdout, re.DOTALL)
+    assert found, completed.stdout[-2000:] + completed.stderr[-2000:]
     return json.loads(found.group(1))
 
 

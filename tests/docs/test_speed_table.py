@@ -73,6 +73,6 @@ def test_only_the_tables_change():
 
 
 def test_an_unknown_part_is_rejected():
-    done = subprocess.run(["bash", REPO / "tests/bench/run.sh", "--only", "sampler,nothing"], capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "--only must be followed by some of sampler tile" in done.stderr and "got nothing" in done.stderr
+    completed = subprocess.run(["bash", REPO / "tests/bench/run.sh", "--only", "sampler,nothing"], capture_output=True, text=True, check=False)
+    assert completed.returncode == 2
+    assert "--only must be followed by some of sampler tile" in completed.stderr and "got nothing" in completed.stderr

@@ -99,8 +99,8 @@ def editor(godot, godot_xvfb, tmp_path_factory) -> str:
     godot(["--path", folder, "--import"], timeout=120)
     settings = folder / "project.godot"
     settings.write_text(settings.read_text() + '[rendering]\nrenderer/rendering_method="gl_compatibility"\n')
-    done = godot_xvfb(["--editor", "--path", folder, "--", "tutorials"], timeout=580)
-    return done.stdout + done.stderr
+    completed = godot_xvfb(["--editor", "--path", folder, "--", "tutorials"], timeout=580)
+    return completed.stdout + completed.stderr
 
 
 def test_steps_in_the_editor(editor):

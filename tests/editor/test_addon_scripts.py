@@ -31,8 +31,8 @@ def project(tmp_path_factory) -> Path:
 
 def check(godot, project: Path, part: str) -> tuple[list[str], int, str]:
     """Runs a part of addon_scripts.gd. Returns its errors, the number of checked items, and its output."""
-    done = godot(["--path", project, "--script", REPO / "tests/engine/addon_scripts.gd", "--", part], timeout=300)
-    printed = done.stdout + done.stderr
+    completed = godot(["--path", project, "--script", REPO / "tests/engine/addon_scripts.gd", "--", part], timeout=300)
+    printed = completed.stdout + completed.stderr
     last = re.search(r"^addon scripts: (\d+) looked at, (\d+) wrong$", printed, re.MULTILINE)
     wrong = re.findall(r"^WRONG (.*)$", printed, re.MULTILINE)
     assert last and len(wrong) == int(last.group(2)), printed[-4000:]

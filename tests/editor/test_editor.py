@@ -57,8 +57,8 @@ def project(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def imported(godot, project) -> Path:
     """Returns the project after the editor has imported its files. Deletes screenshots of earlier runs."""
-    done = godot(["--path", project, "--import"], timeout=120)
-    assert not complaints(done.stdout + done.stderr)
+    completed = godot(["--path", project, "--import"], timeout=120)
+    assert not complaints(completed.stdout + completed.stderr)
     for old in PICTURES.glob("*.png"):
         old.unlink()
     return project
@@ -67,8 +67,8 @@ def imported(godot, project) -> Path:
 @pytest.fixture(scope="module")
 def designer(godot_xvfb, imported, project) -> str:
     """Returns the editor's output from a designer's work on the demo scene."""
-    done = godot_xvfb(["--editor", "--path", project, "--", "demo_scene"], timeout=900)
-    return done.stdout + done.stderr
+    completed = godot_xvfb(["--editor", "--path", project, "--", "demo_scene"], timeout=900)
+    return completed.stdout + completed.stderr
 
 
 def test_a_designers_first_hour(designer):
@@ -86,9 +86,9 @@ def plain_project(tmp_path) -> Path:
 def test_scripts_of_the_editor(godot, plain_project, script):
     """Runs checks of bakes, of canceled and rejected bakes, of the brush's ray on the ground, and of unwritable files."""
     link_library(plain_project)
-    done = godot(["--verbose", "--path", plain_project, "--script", REPO / f"tests/engine/{script}.gd"], timeout=120)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and re.search(r"^thicket engine tests: \d+ checks, 0 failed$", printed, re.M), printed
+    completed = godot(["--verbose", "--path", plain_project, "--script", REPO / f"tests/engine/{script}.gd"], timeout=120)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and re.search(r"^thicket engine tests: \d+ checks, 0 failed$", printed, re.M), printed
     assert "leaked" not in printed, printed
 
 
@@ -104,15 +104,15 @@ def editor_project(plain_project) -> Path:
 def test_small_scenes(godot, godot_xvfb, editor_project, script):
     """Covers baking impostors with one click, importing instances, replacing files, and the inspector of heightmaps. The checks are in these scripts."""
     run = godot_xvfb if script in ("imports", "heightmap_summary") else godot  # Without a renderer, saving a scene prints errors.
-    done = run(["--editor", "--path", editor_project, "--", script], timeout=300)
-    check_passed(done.stdout + done.stderr)
+    completed = run(["--editor", "--path", editor_project, "--", script], timeout=300)
+    check_passed(completed.stdout + completed.stderr)
 
 
 def test_hand_placed_instances(godot, godot_xvfb, editor_project):
     """Places instances with mouse and keys. The checks are in hand.gd. Then checks that a game finds bit-identical
     hand-placed instances."""
-    done = godot_xvfb(["--editor", "--path", editor_project, "--", "hand"], timeout=600)
-    check_passed(done.stdout + done.stderr)
+    completed = godot_xvfb(["--editor", "--path", editor_project, "--", "hand"], timeout=600)
+    check_passed(completed.stdout + completed.stderr)
     played = godot(["--path", editor_project, "--script", "res://tests/hand_in_game.gd"], timeout=120)
     printed = played.stdout + played.stderr
     assert "hand in game: 0 failed" in printed and not complaints(printed), printed
@@ -120,21 +120,21 @@ def test_hand_placed_instances(godot, godot_xvfb, editor_project):
 
 def test_hand_placed_instances_on_a_planet(godot_xvfb, editor_project):
     """Places instances on the side of a planet with mouse and keys. The checks are in hand_planet.gd."""
-    done = godot_xvfb(["--editor", "--path", editor_project, "--", "hand_planet"], timeout=300)
-    check_passed(done.stdout + done.stderr)
+    completed = godot_xvfb(["--editor", "--path", editor_project, "--", "hand_planet"], timeout=300)
+    check_passed(completed.stdout + completed.stderr)
 
 
 @pytest.mark.parametrize("script", ["planet_tools", "level_tools"])
 def test_tools_on_all_sides_of_the_ground(godot_xvfb, editor_project, script):
     """Uses the tools on the top, the side and the underside of a planet, and on, below and beside a bridge. The checks are in these scripts."""
-    done = godot_xvfb(["--editor", "--path", editor_project, "--", script], timeout=300)
-    check_passed(done.stdout + done.stderr)
+    completed = godot_xvfb(["--editor", "--path", editor_project, "--", script], timeout=300)
+    check_passed(completed.stdout + completed.stderr)
 
 
 def test_shapes(godot_xvfb, editor_project):
     """Runs the checks of regions and their handles in shapes.gd."""
-    done = godot_xvfb(["--editor", "--path", editor_project, "--", "shapes"], timeout=600)
-    check_passed(done.stdout + done.stderr)
+    completed = godot_xvfb(["--editor", "--path", editor_project, "--", "shapes"], timeout=600)
+    check_passed(completed.stdout + completed.stderr)
 
 
 @pytest.fixture(scope="module")
@@ -143,8 +143,8 @@ def ground_follows(godot_xvfb, tmp_path_factory) -> str:
     folder = new_plain_project(tmp_path_factory.mktemp("ground"))
     link_library(folder)
     add_steps(folder)
-    done = godot_xvfb(["--editor", "--path", folder, "--", "ground_follows"], timeout=300)
-    return done.stdout + done.stderr
+    completed = godot_xvfb(["--editor", "--path", folder, "--", "ground_follows"], timeout=300)
+    return completed.stdout + completed.stderr
 
 
 def test_a_ground_can_be_chosen_and_moved(ground_follows):
@@ -160,8 +160,8 @@ def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
     for name in ("harness", "terrain_harness", "terrain3d_harness", "hterrain_harness", "plugins_harness"):
         text = (REPO / f"tests/engine/{name}.gd").read_text(encoding="utf-8")
         (editor_project / f"doubles/{name}.gd").write_text(f"@tool\n{text}", encoding="utf-8")
-    done = godot_xvfb(["--editor", "--path", editor_project, "--", "plugin_ground"], timeout=600)
-    check_passed(done.stdout + done.stderr)
+    completed = godot_xvfb(["--editor", "--path", editor_project, "--", "plugin_ground"], timeout=600)
+    check_passed(completed.stdout + completed.stderr)
 
 
 def test_workarounds_for_the_crash_of_a_first_import(godot, plain_project):
@@ -181,8 +181,8 @@ def test_workarounds_for_the_crash_of_a_first_import(godot, plain_project):
             godot(["--path", plain_project, "--import"], timeout=120)
             imported = {path.name.split("-")[0] for path in (plain_project / ".godot/imported").glob("*.ctex")}
             assert imported == {path.name for path in (plain_project / "addons/thicket/icons").glob("*.svg")}
-        done = godot(["--path", plain_project, "--import"], timeout=120)
-        assert done.returncode == 0 and not complaints(done.stdout + done.stderr), done.stdout + done.stderr
+        completed = godot(["--path", plain_project, "--import"], timeout=120)
+        assert completed.returncode == 0 and not complaints(completed.stdout + completed.stderr), completed.stdout + completed.stderr
 
 
 @pytest.fixture(scope="module")
@@ -190,8 +190,8 @@ def why(godot, godot_xvfb, tmp_path_factory) -> str:
     """Returns the editor's output while a designer finds out why a position is empty. The camera is at its initial position."""
     project = new_demo_project(tmp_path_factory.mktemp("why"))
     godot(["--path", project, "--import"], timeout=120)
-    done = godot_xvfb(["--editor", "--path", project, "--", "why"], timeout=600)
-    return done.stdout + done.stderr
+    completed = godot_xvfb(["--editor", "--path", project, "--", "why"], timeout=600)
+    return completed.stdout + completed.stderr
 
 
 def test_why_a_position_is_empty(why):
@@ -223,8 +223,8 @@ def test_layers_panel(godot, godot_xvfb, editor_project, script):
     narrow window and instances that scripts have placed. Other scripts use the brush, regions and a radius with clicks only,
     bake a navigation mesh, and check the instances in each viewport."""
     godot(["--path", editor_project, "--import"], timeout=120)
-    done = godot_xvfb(["--editor", "--path", editor_project, "--", script], timeout=300)
-    check_passed(done.stdout + done.stderr)
+    completed = godot_xvfb(["--editor", "--path", editor_project, "--", script], timeout=300)
+    check_passed(completed.stdout + completed.stderr)
 
 
 @pytest.fixture
@@ -245,27 +245,27 @@ def test_without_the_library_the_plugin_warns_once(godot, godot_xvfb, libraryles
     imported = godot(["--path", libraryless_project, "--import"], timeout=120)
     assert imported.returncode == 0
     # Only an editor with a window compiles all scripts that it indexes, to create their class reference.
-    done = godot_xvfb(["--editor", "--path", libraryless_project, "--", "without_library"], timeout=300)
-    assert (libraryless_project / ".godot/editor/editor_script_doc_cache.res").exists(), done.stdout
-    for printed in (imported.stdout + imported.stderr, done.stdout + done.stderr):
+    completed = godot_xvfb(["--editor", "--path", libraryless_project, "--", "without_library"], timeout=300)
+    assert (libraryless_project / ".godot/editor/editor_script_doc_cache.res").exists(), completed.stdout
+    for printed in (imported.stdout + imported.stderr, completed.stdout + completed.stderr):
         warning, *others = complaints(printed)
         assert not others and re.search(r"no native library for linux\.x86_64 is loaded\. Install .*addons/thicket/bin", warning), printed
-    assert PASSED.search(done.stdout), done.stdout
+    assert PASSED.search(completed.stdout), completed.stdout
 
 
 def test_a_first_import_finds_the_library(godot, plain_project):
     """Checks that the plugin does not warn. The editor loads the library before it starts the plugin."""
     link_library(plain_project)
     shutil.rmtree(plain_project / ".godot")
-    done = godot(["--path", plain_project, "--import"], timeout=120)
-    assert not complaints(done.stdout + done.stderr), done.stdout + done.stderr
+    completed = godot(["--path", plain_project, "--import"], timeout=120)
+    assert not complaints(completed.stdout + completed.stderr), completed.stdout + completed.stderr
 
 
 def test_the_tools_appear_once_the_library_is_loaded(godot, libraryless_project):
     """Checks that the tools appear if the library is built or copied into the project while the editor runs. The steps
     are in library_later.gd."""
-    done = godot(["--editor", "--path", libraryless_project, "--", "library_later"], timeout=200)
-    printed = done.stdout + done.stderr
+    completed = godot(["--editor", "--path", libraryless_project, "--", "library_later"], timeout=200)
+    printed = completed.stdout + completed.stderr
     assert "library later: the tools exist" in printed and "library reloaded: the panel has added a layer" in printed, printed
     assert "SCRIPT ERROR" not in printed, printed
 

@@ -36,10 +36,10 @@ def failure(godot: str, project: Path, script: str) -> str | None:
     """Runs a script. Returns the end of its output if it failed, otherwise None."""
     command = [godot, "--headless", "--path", str(project), "--script", str(ENGINE / (script + ".gd"))]
     try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", timeout=1200, check=False)
+        completed = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", timeout=1200, check=False)
     except subprocess.TimeoutExpired:
         return "it ran longer than 1200 s"
-    return None if done.returncode == 0 and PASSED.search(done.stdout) else done.stdout[-4000:] + done.stderr[-4000:]
+    return None if completed.returncode == 0 and PASSED.search(completed.stdout) else completed.stdout[-4000:] + completed.stderr[-4000:]
 
 
 def main() -> int:

@@ -31,8 +31,8 @@ def preload(tmp_path_factory) -> Path:
     """Builds the library to preload and returns its path."""
     built = tmp_path_factory.mktemp("preload") / "libfailing_allocations.so"
     source = REPO / "tests/allocations/failing_allocations.c"
-    done = run([os.environ.get("CC", "cc"), "-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", "-o", built, source], timeout=60)
-    assert done.returncode == 0, done.stderr
+    completed = run([os.environ.get("CC", "cc"), "-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", "-o", built, source], timeout=60)
+    assert completed.returncode == 0, completed.stderr
     return built
 
 

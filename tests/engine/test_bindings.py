@@ -68,11 +68,11 @@ def test_scripts_access_our_classes_and_nothing_leaks(display, project, request)
     """Runs a game that covers all uses from scripts. On exit, the engine must report no leaks in verbose mode. Also runs with a
     renderer, because only a real one counts its resources."""
     play = request.getfixturevalue(display)
-    done = play(["--verbose", "--path", project, "--script", SCRIPTS / "test_language.gd"])
-    assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
-    assert re.search(r"thicket engine tests: \d{3,} checks, 0 failed", done.stdout)
+    completed = play(["--verbose", "--path", project, "--script", SCRIPTS / "test_language.gd"])
+    assert completed.returncode == 0, completed.stdout[-6000:] + completed.stderr[-2000:]
+    assert re.search(r"thicket engine tests: \d{3,} checks, 0 failed", completed.stdout)
     caused = "from _get_heights()", "'PoissonSampler::sample_domain': Cannot convert argument 1"
-    unexpected = [line for line in complaints(done.stdout + done.stderr) if not any(part in line for part in caused)]
+    unexpected = [line for line in complaints(completed.stdout + completed.stderr) if not any(part in line for part in caused)]
     assert not unexpected, "\n".join(unexpected)
 
 
@@ -81,8 +81,8 @@ def test_a_leak_is_detected(godot_xvfb, project):
     script = project / "leak.gd"
     leaks = "TerrainScatter3D.new()", "RenderingServer.multimesh_create()", "quit()"
     script.write_text("extends SceneTree\nfunc _init():\n\t" + "\n\t".join(leaks) + "\n")
-    done = godot_xvfb(["--verbose", "--path", project, "--script", script])
-    seen = "\n".join(complaints(done.stdout + done.stderr))
+    completed = godot_xvfb(["--verbose", "--path", project, "--script", script])
+    seen = "\n".join(complaints(completed.stdout + completed.stderr))
     assert "Leaked instance" in seen and "1 RID allocations" in seen and "Orphan StringName" in seen
 
 
@@ -95,9 +95,9 @@ def editor(godot, project: Path, *steps: str) -> str:
         "XDG_CONFIG_HOME": str(project / "config"),
         "XDG_DATA_HOME": str(project / "data"),
     }
-    done = godot(["--verbose", "--editor", "--path", project, "--", *steps], timeout=600, env=environment)
-    output = done.stdout + done.stderr
-    assert done.returncode == 0 and "\ndone\n" in output, output[-6000:]
+    completed = godot(["--verbose", "--editor", "--path", project, "--", *steps], timeout=600, env=environment)
+    output = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "\ndone\n" in output, output[-6000:]
     return output
 
 
@@ -180,8 +180,8 @@ def test_class_reference_is_complete(godot, project):
     """The engine lists the same members, arguments, types and defaults as our pages, and every member has a description."""
     pages = project / "reference"
     (pages / "doc_classes").mkdir(parents=True)
-    done = godot(["--path", project, "--doctool", pages, "--gdextension-docs"])
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = godot(["--path", project, "--doctool", pages, "--gdextension-docs"])
+    assert completed.returncode == 0, completed.stdout + completed.stderr
     written = {path.stem: described(path) for path in (pages / "doc_classes").glob("*.xml")}
     ours = {name: described(REPO / f"extension/doc_classes/{name}.xml") for name in CLASSES}
     assert {name: sorted(page) for name, page in ours.items()} == {name: sorted(page) for name, page in written.items()}
@@ -200,9 +200,9 @@ def generate(*arguments) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_bindings_provide_only_what_is_used():
-    done = generate("--used", BINDINGS / "used_api.toml", "--unused", REPO / "extension/nodes", BINDINGS / "src",
+    completed = generate("--used", BINDINGS / "used_api.toml", "--unused", REPO / "extension/nodes", BINDINGS / "src",
         BINDINGS / "include")  # fmt: skip
-    assert done.returncode == 0, done.stdout
+    assert completed.returncode == 0, completed.stdout
 
 
 def test_the_stand_in_stays_small():
@@ -296,8 +296,8 @@ def test_the_same_sources_build_and_run_against_godot_cpp(godot, tmp_path):
     """All engine tests pass with godot-cpp. All language tests also pass, except test_wrong_values, because godot-cpp treats a
     value of the wrong type as null."""
     try:
-        done = run(["scons", "-Q", "-j2", "godot_cpp=" + os.environ["THICKET_GODOT_CPP"], "extension"], 3600, cwd=REPO)
-        assert done.returncode == 0, done.stdout + done.stderr
+        completed = run(["scons", "-Q", "-j2", "godot_cpp=" + os.environ["THICKET_GODOT_CPP"], "extension"], 3600, cwd=REPO)
+        assert completed.returncode == 0, completed.stdout + completed.stderr
         project = make_project(tmp_path / "project", extension=True)
         shutil.copytree(ADDON, tmp_path / "addons/thicket")
     finally:

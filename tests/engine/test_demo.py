@@ -37,14 +37,14 @@ def test_scene_and_description_have_the_same_ground():
 
 def test_demo_runs_without_a_renderer(godot, imported_demo):
     """The demo's fixed path, headless: no warnings, no leaks, and more than 10^5 instances at each stop."""
-    done = godot(["--verbose", "--path", imported_demo, "--", "--screenshots"], timeout=300)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
+    completed = godot(["--verbose", "--path", imported_demo, "--", "--screenshots"], timeout=300)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "demo: done" in completed.stdout, printed[-4000:]
     assert not complaints(printed), complaints(printed)
     assert "leaked" not in printed
-    instances = re.findall(r"^demo: \w+: \d+ tiles, (\d+) instances", done.stdout, re.MULTILINE)
+    instances = re.findall(r"^demo: \w+: \d+ tiles, (\d+) instances", completed.stdout, re.MULTILINE)
     assert len(instances) >= 5 and min(map(int, instances)) > 100_000
-    assert re.search(r"^demo: main thread: median \d+ µs, p99 \d+ µs", done.stdout, re.MULTILINE)
+    assert re.search(r"^demo: main thread: median \d+ µs, p99 \d+ µs", completed.stdout, re.MULTILINE)
 
 
 def test_plants_are_the_same_on_every_run(godot, imported_demo, tmp_path):
@@ -52,7 +52,7 @@ def test_plants_are_the_same_on_every_run(godot, imported_demo, tmp_path):
     script = tmp_path / "plants.gd"
     script.write_text(PLANTS.replace("OUT", str(tmp_path)))
     runs = [godot(["--path", imported_demo, "--script", script], timeout=120) for _ in range(2)]
-    digests = [re.findall(r"^plant .*$", done.stdout, re.MULTILINE) for done in runs]
+    digests = [re.findall(r"^plant .*$", completed.stdout, re.MULTILINE) for completed in runs]
     assert digests[0] == digests[1]
     assert len(digests[0]) == len(set(digests[0])) == 48, runs[0].stdout + runs[0].stderr
     assert not complaints(runs[0].stdout + runs[0].stderr)
@@ -67,12 +67,12 @@ def test_models_of_the_presets_are_those_of_the_scripts(godot, imported_demo, tm
     """The add-on's models match those that demo_project/meshes builds. To fix a difference, run bash
     demo_project/meshes/save_models.sh."""
     made = tmp_path / "models"
-    done = godot(["--headless", "--path", imported_demo, "--script", "res://meshes/save_models.gd", "--", f"--out={made}"], timeout=240)
-    assert "models saved" in done.stdout, done.stdout + done.stderr
+    completed = godot(["--headless", "--path", imported_demo, "--script", "res://meshes/save_models.gd", "--", f"--out={made}"], timeout=240)
+    assert "models saved" in completed.stdout, completed.stdout + completed.stderr
     script = tmp_path / "compare.gd"
     script.write_text(COMPARE.replace("MADE", str(made)))
-    done = godot(["--headless", "--path", imported_demo, "--script", script], timeout=240)
-    assert "models: 0 differ" in done.stdout, done.stdout + done.stderr
+    completed = godot(["--headless", "--path", imported_demo, "--script", script], timeout=240)
+    assert "models: 0 differ" in completed.stdout, completed.stdout + completed.stderr
 
 
 COMPARE = """extends SceneTree
@@ -137,9 +137,9 @@ def test_keys(godot, imported_demo, tmp_path):
     """Presses the keys that the overlay's help lists: seeds, density, walking, tiles, help. The drawn ground equals the plants' ground."""
     script = tmp_path / "keys.gd"
     script.write_text(KEYS)
-    done = godot(["--path", imported_demo, "--script", script], timeout=240)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "keys: 0 failed" in done.stdout, printed
+    completed = godot(["--path", imported_demo, "--script", script], timeout=240)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "keys: 0 failed" in completed.stdout, printed
     assert not complaints(printed), complaints(printed)
 
 
@@ -238,9 +238,9 @@ def test_ground_has_no_holes(godot_xvfb, imported_demo, tmp_path):
     """Replaces the background with magenta. In views from all over the map, no magenta may be visible through the ground."""
     script = tmp_path / "holes.gd"
     script.write_text(HOLES.replace("OUT", str(tmp_path)))
-    done = godot_xvfb(["--path", imported_demo, "--resolution", "480x270", "--script", script], timeout=300)
+    completed = godot_xvfb(["--path", imported_demo, "--resolution", "480x270", "--script", script], timeout=300)
     shots = [np.asarray(Image.open(path).convert("RGB"), np.int16) for path in sorted(tmp_path.glob("*.png"))]
-    assert done.returncode == 0 and len(shots) == 24, done.stdout + done.stderr
+    assert completed.returncode == 0 and len(shots) == 24, completed.stdout + completed.stderr
     skies = 0
     for shot in shots:
         behind = (shot[..., 0] > 200) & (shot[..., 1] < 100) & (shot[..., 2] > 200)
@@ -296,9 +296,9 @@ def pictures(godot_xvfb, imported_demo) -> dict[str, np.ndarray]:
     for old in PICTURES.glob("*.png"):
         old.unlink()
     arguments = ["--path", imported_demo, "--resolution", "1280x720", "--", f"--screenshots={PICTURES}"]
-    done = godot_xvfb(arguments, timeout=900)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
+    completed = godot_xvfb(arguments, timeout=900)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "demo: done" in completed.stdout, printed[-4000:]
     assert not complaints(printed), complaints(printed)
     return {path.stem: np.asarray(Image.open(path).convert("RGB"), np.float64) for path in PICTURES.glob("*.png")}
 
@@ -354,9 +354,9 @@ def test_other_renderers_draw_the_same_colors(godot_xvfb, imported_demo, picture
     stops = ["overview", "forest", "walk"]
     renderer = ["--rendering-driver", "vulkan", "--rendering-method", method, "--resolution", "640x360"]
     arguments = ["--path", imported_demo, *renderer, "--", f"--screenshots={tmp_path}", f"--stops={','.join(stops)}"]
-    done = godot_xvfb(arguments, timeout=900)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
+    completed = godot_xvfb(arguments, timeout=900)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "demo: done" in completed.stdout, printed[-4000:]
     assert not complaints(printed), complaints(printed)
 
     def coarse(image: Image.Image) -> np.ndarray:

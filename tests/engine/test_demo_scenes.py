@@ -28,29 +28,29 @@ def test_scene_contains_only_settings(scene):
 @pytest.mark.parametrize("scene", SCENES)
 def test_scene_runs_without_a_renderer(godot, imported_demo, scene):
     """Visits every stop of a scene, headless: no warnings, no leaks, and more than 5,000 instances at each."""
-    done = godot(["--verbose", "--path", imported_demo, f"res://{scene}.tscn", "--", "--screenshots"], timeout=300)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
+    completed = godot(["--verbose", "--path", imported_demo, f"res://{scene}.tscn", "--", "--screenshots"], timeout=300)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "demo: done" in completed.stdout, printed[-4000:]
     assert not complaints(printed), complaints(printed)
     assert "leaked" not in printed
-    instances = re.findall(r"^demo: \w+: \d+ tiles, (\d+) instances", done.stdout, re.MULTILINE)
-    assert len(instances) >= 3 and min(map(int, instances)) > 5_000, done.stdout
+    instances = re.findall(r"^demo: \w+: \d+ tiles, (\d+) instances", completed.stdout, re.MULTILINE)
+    assert len(instances) >= 3 and min(map(int, instances)) > 5_000, completed.stdout
 
 
 @pytest.mark.parametrize("scene", ["rules", "biomes", "script_terrain", "surfaces"])
 def test_content_of_the_scene(godot, imported_demo, scene):
-    done = godot(["--verbose", "--path", imported_demo, "--script", ENGINE / f"test_demo_{scene}.gd"], timeout=300)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and PASSED.search(done.stdout), printed[-4000:]
+    completed = godot(["--verbose", "--path", imported_demo, "--script", ENGINE / f"test_demo_{scene}.gd"], timeout=300)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and PASSED.search(completed.stdout), printed[-4000:]
     assert "leaked" not in printed, printed[-4000:]
 
 
 @pytest.mark.parametrize(("scene", "stop"), [("rules", "valley"), ("biomes", "biomes"), ("script_terrain", "island"), ("surfaces", "gorge")])
 def test_screenshot_of_the_scene(godot_xvfb, imported_demo, tmp_path, scene, stop):
     arguments = ["--path", imported_demo, "--resolution", "640x360", f"res://{scene}.tscn", "--"]
-    done = godot_xvfb([*arguments, f"--screenshots={tmp_path}", f"--stops={stop}"], timeout=120)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
+    completed = godot_xvfb([*arguments, f"--screenshots={tmp_path}", f"--stops={stop}"], timeout=120)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "demo: done" in completed.stdout, printed[-4000:]
     assert not complaints(printed), complaints(printed)
     image = np.asarray(Image.open(tmp_path / f"{stop}.png").convert("RGB"), np.float64)
     assert image.shape == (360, 640, 3)
@@ -62,20 +62,20 @@ def test_felled_trees_stay_felled(godot, imported_demo, tmp_path):
     rendered tiles, the queries and the bodies."""
     for test in ("test_felled_and_saved", "test_felled_after_a_restart"):
         script = ["--script", ENGINE / "test_demo_gameplay.gd", "--", test, f"file={tmp_path}/felled"]
-        done = godot(["--verbose", "--path", imported_demo, *script], timeout=120)
-        printed = done.stdout + done.stderr
-        assert done.returncode == 0 and PASSED.search(done.stdout), printed[-4000:]
+        completed = godot(["--verbose", "--path", imported_demo, *script], timeout=120)
+        printed = completed.stdout + completed.stderr
+        assert completed.returncode == 0 and PASSED.search(completed.stdout), printed[-4000:]
         assert "leaked" not in printed, printed[-4000:]
 
 
 def test_the_game_takes_screenshots(godot_xvfb, imported_demo, tmp_path):
     """Runs the gameplay scene's scripted key presses. Each step's screenshot differs from the previous one."""
     arguments = ["--path", imported_demo, "--resolution", "640x360", "res://gameplay.tscn", "--"]
-    done = godot_xvfb([*arguments, f"--screenshots={tmp_path}"], timeout=400)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
+    completed = godot_xvfb([*arguments, f"--screenshots={tmp_path}"], timeout=400)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "demo: done" in completed.stdout, printed[-4000:]
     assert not complaints(printed), complaints(printed)
-    names = re.findall(r"^demo: (\w+): \d+ tiles", done.stdout, re.MULTILINE)
+    names = re.findall(r"^demo: (\w+): \d+ tiles", completed.stdout, re.MULTILINE)
     assert names == ["arrive", "look", "falling", "stump", "map", "loaded"]
     before = None
     for name in names:
@@ -88,11 +88,11 @@ def test_the_game_takes_screenshots(godot_xvfb, imported_demo, tmp_path):
 
 
 def test_an_unknown_scene_is_reported_by_name():
-    done = run(["bash", DEMO / "run.sh", "nowhere"], timeout=10)
-    assert done.returncode == 2
-    assert "no scene 'nowhere'" in done.stderr
+    completed = run(["bash", DEMO / "run.sh", "nowhere"], timeout=10)
+    assert completed.returncode == 2
+    assert "no scene 'nowhere'" in completed.stderr
     for scene in ["demo", *SCENES]:
-        assert re.search(rf"\b{scene}\b", done.stderr)
+        assert re.search(rf"\b{scene}\b", completed.stderr)
 
 
 def test_the_valley_matches_its_script():

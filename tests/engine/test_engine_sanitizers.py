@@ -32,8 +32,8 @@ def runtime(folder: Path, names: list[str]) -> str:
     """Copies the libraries to preload into a folder that is also readable inside Godot's root directory and returns their
     paths. The shim comes first, because a sanitizer's dlopen rejects the flag that the shim removes."""
     shim = folder / "no_deepbind.so"
-    done = run(["gcc", "-shared", "-fPIC", "-O1", "-o", shim, REPO / "tests/sanitizers/no_deepbind.c"], timeout=60)
-    assert done.returncode == 0, done.stderr
+    completed = run(["gcc", "-shared", "-fPIC", "-O1", "-o", shim, REPO / "tests/sanitizers/no_deepbind.c"], timeout=60)
+    assert completed.returncode == 0, completed.stderr
     preloaded = [shim]
     for name in names:
         found = run(["gcc", f"-print-file-name={name}"], timeout=60).stdout.strip()
@@ -65,7 +65,7 @@ def sanitized(request, tmp_path_factory):
 
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_no_report(sanitized, script):
-    done = sanitized(script, timeout=3600)
-    printed = done.stdout + done.stderr
+    completed = sanitized(script, timeout=3600)
+    printed = completed.stdout + completed.stderr
     assert not re.search(r"WARNING: ThreadSanitizer|ERROR: AddressSanitizer|runtime error:", printed), printed[-12000:]
-    assert done.returncode == 0 and PASSED.search(done.stdout), printed[-12000:]
+    assert completed.returncode == 0 and PASSED.search(completed.stdout), printed[-12000:]

@@ -28,8 +28,8 @@ def blocks(path) -> np.ndarray:
 def test_nothing_pops(godot_xvfb, imported_demo, tmp_path, stop):
     script = REPO / "tests/bench/film.gd"
     arguments = ["--path", imported_demo, "--script", script, "--", tmp_path, stop, str(PICTURES), str(METERS[stop])]
-    done = godot_xvfb(arguments, timeout=600)
-    assert done.returncode == 0, done.stdout + done.stderr
+    completed = godot_xvfb(arguments, timeout=600)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
     paths = sorted(tmp_path.glob("*.png"))
     assert len(paths) == PICTURES
     film = [Image.open(path).convert("RGB") for path in paths]

@@ -44,9 +44,9 @@ def project(tmp_path_factory) -> Path:
 
 def take(godot_xvfb, project: Path, folder: Path, *options: str) -> Path:
     folder.mkdir()
-    done = godot_xvfb([*options, "--path", project, "--script", PICTURES, "--", folder], timeout=900)
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "ERROR" not in printed, printed
+    completed = godot_xvfb([*options, "--path", project, "--script", PICTURES, "--", folder], timeout=900)
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "ERROR" not in printed, printed
     assert len(list(folder.iterdir())) == 2 * 2 * SUNS * DIRECTIONS
     return folder
 

@@ -48,13 +48,13 @@ def test_the_wrong_precision_is_rejected(library, tmp_path, build_dir):
     built = run(["g++", "-std=c++20", "-Wall", "-Werror", *define, *include, source, checked, "-o", program], timeout=300)
     assert built.returncode == 0, built.stderr
     for engine, size in {"single": 4, "double": 8}.items():
-        done = run([program, str(size)], timeout=60)
+        completed = run([program, str(size)], timeout=60)
         if engine == library:
-            assert done.returncode == 0 and not done.stdout
+            assert completed.returncode == 0 and not completed.stdout
         else:
-            assert done.returncode == 1 and done.stdout.count("\n") == 1
-            assert f"compiled for engines with {library} precision, and this engine has {engine} precision" in done.stdout
-            assert f"scons precision={engine} extension" in done.stdout
+            assert completed.returncode == 1 and completed.stdout.count("\n") == 1
+            assert f"compiled for engines with {library} precision, and this engine has {engine} precision" in completed.stdout
+            assert f"scons precision={engine} extension" in completed.stdout
 
 
 @pytest.fixture(scope="module")
@@ -62,8 +62,8 @@ def double_library(tmp_path_factory) -> Iterator[Path]:
     """Builds the library for double precision, moves it out of the add-on, and returns its path."""
     kept = tmp_path_factory.mktemp("double") / DOUBLE
     try:
-        done = run(["scons", "-Q", "-j2", "precision=double", "scu_build=yes", "extension"], 3600, cwd=REPO)
-        assert done.returncode == 0, done.stdout + done.stderr
+        completed = run(["scons", "-Q", "-j2", "precision=double", "scu_build=yes", "extension"], 3600, cwd=REPO)
+        assert completed.returncode == 0, completed.stdout + completed.stderr
         assert f'.double = "bin/{DOUBLE}"' in (ADDON / "thicket.gdextension").read_text()
         shutil.move(ADDON / "bin" / DOUBLE, kept)
     finally:
@@ -91,9 +91,9 @@ def test_a_single_engine_rejects_the_double_library(mode, double_library, godot,
     script = project / "look.gd"
     script.write_text('extends SceneTree\nfunc _init():\n\tprint("there: ", ClassDB.class_exists("ScatterLayer"))\n\tquit()\n')
     how = ["--script", script] if mode == "game" else ["--editor", "--quit-after", "3"]
-    done = godot(["--path", project, *how])
-    output = done.stdout + done.stderr
-    assert done.returncode == 0, output
+    completed = godot(["--path", project, *how])
+    output = completed.stdout + completed.stderr
+    assert completed.returncode == 0, output
     assert "compiled for engines with double precision, and this engine has single precision" in output
     assert "crashed" not in output and "SCRIPT ERROR" not in output
     assert mode == "editor" or "there: false" in output

@@ -46,11 +46,11 @@ def test_the_tutorials_save_can_be_loaded_twice(godot, project):
     """A player saves, loads, continues playing and loads again. Each load restores the saved state."""
     (project / "tutorial.gd").write_text(re.search(r"^```gdscript\n(.*?)^```", TUTORIAL.read_text(), re.MULTILINE | re.DOTALL).group(1))
     (project / "twice.gd").write_text(TWICE)
-    done = godot(["--path", project, "--script", "twice.gd"], timeout=60)
-    printed = done.stdout + done.stderr
+    completed = godot(["--path", project, "--script", "twice.gd"], timeout=60)
+    printed = completed.stdout + completed.stderr
     for line in ("loaded: true", "played on: true", "loaded again: true"):
         assert f"\n{line}\n" in printed, printed
-    assert done.returncode == 0 and not COMPLAINT.search(printed), printed
+    assert completed.returncode == 0 and not COMPLAINT.search(printed), printed
 
 
 def test_scripts_replace_files_through_one_helper():

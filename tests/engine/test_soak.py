@@ -19,10 +19,10 @@ GIVES_BACK = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": "131072", "MALL
 def test_nothing_grows(godot, imported_demo, seconds):
     script = REPO / "tests/bench/soak.gd"
     arguments = ["--verbose", "--path", imported_demo, "--script", script, "--", str(seconds), "5"]
-    done = godot(arguments, timeout=2 * seconds + 310, env={**os.environ, **GIVES_BACK})
-    printed = done.stdout + done.stderr
-    assert done.returncode == 0 and "soak: passed" in done.stdout, printed[-4000:]
+    completed = godot(arguments, timeout=2 * seconds + 310, env={**os.environ, **GIVES_BACK})
+    printed = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "soak: passed" in completed.stdout, printed[-4000:]
     assert not complaints(printed), complaints(printed)
     assert "leaked" not in printed, printed[-4000:]
-    counts = re.findall(r"^soak: .* (\d+) felled, (\d+) planted, (\d+) answers, (\d+) loads", done.stdout, re.MULTILINE)
-    assert all(int(count) > least for count, least in zip(counts[-1], (1_000, 100, 100, 4), strict=True)), done.stdout
+    counts = re.findall(r"^soak: .* (\d+) felled, (\d+) planted, (\d+) answers, (\d+) loads", completed.stdout, re.MULTILINE)
+    assert all(int(count) > least for count, least in zip(counts[-1], (1_000, 100, 100, 4), strict=True)), completed.stdout

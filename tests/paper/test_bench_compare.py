@@ -85,6 +85,6 @@ def test_too_few_turns_are_reported():
 
 
 def test_an_unknown_commit_is_rejected():
-    done = subprocess.run([sys.executable, "tests/bench/compare.py", "no-such-commit"], cwd=REPO, capture_output=True, text=True, check=False)
-    assert done.returncode != 0
-    assert "no-such-commit" in done.stderr
+    completed = subprocess.run([sys.executable, "tests/bench/compare.py", "no-such-commit"], cwd=REPO, capture_output=True, text=True, check=False)
+    assert completed.returncode != 0
+    assert "no-such-commit" in completed.stderr

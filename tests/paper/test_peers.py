@@ -59,9 +59,9 @@ def test_a_missing_rust_is_reported(tmp_path):
 
 
 def check_line_and_set(command: list, name: str, dump: Path):
-    done = run([*command, name, "400", "3", f"dump={dump}"], timeout=120)
-    assert done.returncode == 0, done.stderr
-    line = json.loads(done.stdout)
+    completed = run([*command, name, "400", "3", f"dump={dump}"], timeout=120)
+    assert completed.returncode == 0, completed.stderr
+    line = json.loads(completed.stdout)
     assert set(line) == KEYS and line["method"] == name and line["seconds"] > 0.0
     assert line["size"] == pytest.approx(math.sqrt(400 * math.pi / 4 / 0.547070))
     raw = dump.read_bytes()
@@ -85,5 +85,5 @@ def test_rust_peer(tmp_path, name):
 
 @pytest.mark.parametrize("arguments", [[], ["no_such_sampler", "100", "1"], ["scipy_poisson_disk", "100"]])
 def test_a_wrong_call_is_rejected(arguments):
-    done = run([*PYTHON_RUNNER, *arguments], timeout=60)
-    assert done.returncode == 2 and done.stderr.startswith("usage:")
+    completed = run([*PYTHON_RUNNER, *arguments], timeout=60)
+    assert completed.returncode == 2 and completed.stderr.startswith("usage:")
