@@ -6,8 +6,6 @@
 
 #include <doctest/doctest.h>
 
-#include <glm/common.hpp>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -232,7 +230,7 @@ TEST_CASE("edits of a biome map: a changed value edits only its biome, an equal 
 	REQUIRE(map.find_edits(map, before, density_of({0.5F, 1.0F, 0.75F}), areas));
 	Rect all{glm::dvec2(infinite_value), glm::dvec2(-infinite_value)};
 	for (const Rect &rect : areas) {
-		all = {glm::min(all.min, rect.min), glm::max(all.max, rect.max)};
+		all = united(all, rect);
 	}
 	// The patch and 11 m around it, but nothing beyond the map, although its edge is clamped.
 	CHECK(all.min.x == doctest::Approx(40.0 - 11.0).epsilon(0.01));

@@ -107,9 +107,9 @@ bool within(const Rect &area, const Rect &limits) {
 			area.max.x <= limits.max.x + rounding && area.max.y <= limits.max.y + rounding;
 }
 
-Rect both(const Rect &a, const Rect &b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
-
-Rect around(const std::vector<Rect> &areas) { return std::accumulate(areas.begin() + 1, areas.end(), areas[0], both); }
+Rect around(const std::vector<Rect> &areas) {
+	return std::accumulate(areas.begin() + 1, areas.end(), areas[0], united);
+}
 
 } // namespace
 
@@ -132,7 +132,7 @@ TEST_CASE("edits: an edit changes instances, all of them within its reach") {
 			Shape &shape = world.shapes[static_cast<std::size_t>(round / 2 % 2)];
 			edited = bounds(shape);
 			shape = cylinder(at, 3.0 + 10.0 * unit(random), true);
-			edited = both(edited, bounds(shape));
+			edited = united(edited, bounds(shape));
 		}
 		const LayerSettings next = world.layer();
 		EditSearch search;

@@ -124,7 +124,7 @@ TEST_CASE("obstacles: no position is left that is open to the set, and no point 
 	const Rect area{{-30.0, -30.0}, {60.0, 60.0}};
 	const Rect rect{{0.0, 0.0}, {30.0, 30.0}};
 	const std::vector<Obstacle> obstacles = random_obstacles(random, area, 0.4, 2.0, 700);
-	const std::vector<SamplePoint> points = filled(set, {rect.min - 2.0, rect.max + 2.0}, obstacles);
+	const std::vector<SamplePoint> points = filled(set, expanded(rect, 2.0), obstacles);
 	const double unit = lattice_unit(set);
 	int open = 0;
 	const auto is_free = [&](glm::dvec2 position) {

@@ -24,7 +24,7 @@ void check_too_wide(const Status &status, const PointSet &set, const Rect &rect)
 	CHECK(status.site.seed == set.seed);
 	CHECK(status.site.radius == set.radius);
 	const double max_offset = 200.0 * set.radius;
-	CHECK(Rect{rect.min - max_offset, rect.max + max_offset}.contains(status.site.position));
+	CHECK(expanded(rect, max_offset).contains(status.site.position));
 }
 
 } // namespace

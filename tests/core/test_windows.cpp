@@ -125,7 +125,7 @@ TEST_CASE("windows: where the margin was too small at first, the points are the 
 				continue;
 			}
 			++widened;
-			std::vector<SamplePoint> expected = points_at_once(set, {rect.min - 40.0, rect.max + 40.0});
+			std::vector<SamplePoint> expected = points_at_once(set, expanded(rect, 40.0));
 			std::erase_if(expected, [&](const SamplePoint &point) { return !rect.contains(point.position); });
 			std::sort(points.begin(), points.end(),
 					[](const SamplePoint &a, const SamplePoint &b) { return a.id < b.id; });

@@ -285,9 +285,8 @@ TEST_CASE("world inputs: rules do not depend on tiles, order and threads, and ne
 TEST_CASE("world inputs: they choose the mesh of an instance") {
 	const Heightfield terrain = textured_hills();
 	const auto stones = rocks();
-	const std::map<std::uint64_t, glm::dvec2> stone_positions =
-			positions_of(*stones, {tile_of_hills.min - 20.0, tile_of_hills.max + 20.0});
-	const Meshes present = meshes_of(*stones, terrain, {tile_of_hills.min - 20.0, tile_of_hills.max + 20.0});
+	const std::map<std::uint64_t, glm::dvec2> stone_positions = positions_of(*stones, expanded(tile_of_hills, 20.0));
+	const Meshes present = meshes_of(*stones, terrain, expanded(tile_of_hills, 20.0));
 	const auto distance_at = [&](glm::dvec2 position) {
 		double nearest = 10.0;
 		for (const auto &[id, mesh] : present) {

@@ -1,7 +1,5 @@
 #include "core/drawing/redraw_queue.hpp"
 
-#include <glm/common.hpp>
-
 #include <algorithm>
 #include <utility>
 
@@ -27,7 +25,7 @@ RedrawQueue::Marks RedrawQueue::take() {
 	std::map<std::uint32_t, Rect> bounds;
 	for (const auto &[layer, rect] : marks_.areas_) {
 		Rect &bound = bounds.try_emplace(layer, rect).first->second;
-		bound = {glm::min(bound.min, rect.min), glm::max(bound.max, rect.max)};
+		bound = united(bound, rect);
 	}
 	++version_;
 	Marks marks = std::exchange(marks_, {});

@@ -3,8 +3,6 @@
 #include "core/placement/mesh_choice.hpp"
 #include "core/placement/mesh_rules.hpp"
 
-#include <glm/common.hpp>
-
 #include <array>
 #include <optional>
 
@@ -42,7 +40,7 @@ HostInstance instance_at(const LayerSettings &host, const PlacedPoints &points, 
 
 HostCollector::HostCollector(const LayerSettings &layer, const Rect &rect) {
 	const double distance = host_distance(layer, 0.0);
-	around_ = {rect.min - distance, rect.max + distance};
+	around_ = expanded(rect, distance);
 }
 
 void HostCollector::add_part(const HostLayer &host, const HostInstance &instance) {
@@ -60,7 +58,7 @@ void HostCollector::add_part(const HostLayer &host, const HostInstance &instance
 
 Status HostCollector::add(const HostLayer &host, const PlacedPoints &points) {
 	const double reach = widest_reach_of(host);
-	const Rect near{around_.min - reach, around_.max + reach};
+	const Rect near = expanded(around_, reach);
 	MeshChoice choice;
 	choice.set(host.layer->mesh_weights);
 	MeshRules rules;

@@ -142,7 +142,7 @@ EditedArea own_edits(const LayerSettings &layer_before, const LayerSettings &lay
 
 Rect grown(const Rect &area, double distance) {
 	const double margin = distance > 0.0 ? 1.001 * distance + 1e-6 : 0.0;
-	return {area.min - margin, area.max + margin};
+	return expanded(area, margin);
 }
 
 bool EditedArea::touches(const Rect &rect) const {

@@ -231,7 +231,7 @@ Status LayerFilter::gather_surroundings(const Surface *grown, const std::atomic<
 	if (const ShapeSet *shapes = rules_.rules().shapes.get()) {
 		// Probes may be outside the window.
 		const double around = edge_reach(rules_.rules().edge_feather, on_surface_);
-		throw_if_out_of_memory(shapes->find_nearby({window_.min - around, window_.max + around}, near_shapes_));
+		throw_if_out_of_memory(shapes->find_nearby(expanded(window_, around), near_shapes_));
 	}
 	probes_.clear();
 	probe_heights_.clear();

@@ -8,8 +8,6 @@
 #include "core/query/tile_content.hpp"
 #include "core/query/tile_window.hpp"
 
-#include <glm/common.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -94,7 +92,7 @@ Rect rect_along(const Ray &ray, double distance) {
 	const glm::dvec3 to = ray.at(1.0);
 	const Rect from = rect_around({ray.from.x, ray.from.z}, distance);
 	const Rect until = rect_around({to.x, to.z}, distance);
-	return {glm::min(from.min, until.min), glm::max(from.max, until.max)};
+	return united(from, until);
 }
 
 /// Finds instances that a ray hits. Candidate::at is a fraction of the ray's length.

@@ -85,7 +85,7 @@ void BiomeMap::find_blocks() {
 BiomeSet BiomeMap::biomes_in(const Rect &rect) const {
 	const glm::dvec2 pixels_per_meter = glm::dvec2(size_) / area_.size();
 	const bool whole = !rect.finite() || rect.max.x < rect.min.x || rect.max.y < rect.min.y;
-	const Rect asked = whole ? Rect{area_.min - 1.0, area_.max + 1.0} : rect;
+	const Rect asked = whole ? expanded(area_, 1.0) : rect;
 	const glm::dvec2 from = (asked.min - reach_ - area_.min) * pixels_per_meter;
 	const glm::dvec2 to = (asked.max + reach_ - area_.min) * pixels_per_meter;
 	const bool outside = from.x < 0.0 || from.y < 0.0 || to.x >= size_.x || to.y >= size_.y;

@@ -189,7 +189,7 @@ Rect tight_bounds(const Shape &shape) {
 	if (shape.kind == ShapeKind::polygon || shape.kind == ShapeKind::path) {
 		const Rect points = around(shape.outline);
 		const double reach = shape.kind == ShapeKind::path ? shape.half_size.x : 0.0;
-		return {points.min - reach, points.max + reach};
+		return expanded(points, reach);
 	}
 	const glm::dvec2 center(shape.center.x, shape.center.z);
 	const glm::dvec2 reach = ShapeVolume(shape).reach();

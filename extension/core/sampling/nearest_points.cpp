@@ -112,7 +112,7 @@ Rect enclosing_rect(std::span<const glm::dvec2> positions) {
 
 Rect point_area(const PointSet &set, const Rect &area) {
 	const double reach = reach_of_point(set);
-	return {area.min - reach, area.max + reach};
+	return expanded(area, reach);
 }
 
 void nearest_among(const std::vector<SamplePoint> &points, const PointSet &set, std::span<const glm::dvec2> positions,

@@ -10,7 +10,7 @@ namespace {
 
 void add_area(const Rect &area, DiffSummary::Layer &r_layer) {
 	Rect &bounds = r_layer.bounds;
-	bounds = r_layer.has_bounds ? Rect{glm::min(bounds.min, area.min), glm::max(bounds.max, area.max)} : area;
+	bounds = r_layer.has_bounds ? united(bounds, area) : area;
 	r_layer.has_bounds = true;
 }
 

@@ -3,8 +3,6 @@
 #include "core/base/bvh_order.hpp"
 #include "core/base/guard.hpp"
 
-#include <glm/common.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -59,7 +57,7 @@ Status TriangleParts::set(std::span<const Part> parts) {
 			box = {built.parts_[built.tree_.begin(node)]->area(), built.parts_[built.tree_.begin(node)]->top()};
 			for (std::size_t i = built.tree_.begin(node) + 1; i < built.tree_.end(node); ++i) {
 				const Rect &area = built.parts_[i]->area();
-				box.area = {glm::min(box.area.min, area.min), glm::max(box.area.max, area.max)};
+				box.area = united(box.area, area);
 				box.top = std::max(box.top, built.parts_[i]->top());
 			}
 		});

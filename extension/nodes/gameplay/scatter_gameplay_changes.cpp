@@ -11,8 +11,6 @@
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/memory.hpp>
 
-#include <glm/common.hpp>
-
 #include <map>
 #include <utility>
 
@@ -292,7 +290,7 @@ void ScatterGameplay::redraw_later(const StateChanges &changes) {
 			const auto layer = static_cast<std::uint32_t>(index);
 			const Rect area = area_of(change.id, change.added.position, layer);
 			Rect &bound = bounds.try_emplace(layer, area).first->second;
-			bound = {glm::min(bound.min, area.min), glm::max(bound.max, area.max)};
+			bound = united(bound, area);
 		}
 	});
 	for (const auto &[layer, bound] : bounds) {

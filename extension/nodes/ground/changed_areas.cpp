@@ -1,7 +1,5 @@
 #include "nodes/ground/changed_areas.hpp"
 
-#include <glm/common.hpp>
-
 #include <algorithm>
 #include <cstddef>
 
@@ -15,8 +13,6 @@ constexpr std::size_t max_areas = 64;
 
 } // namespace
 
-Rect enclosing_rect(const Rect &a, const Rect &b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
-
 void add_changed_area(std::vector<Rect> &r_areas, const Rect &area) {
 	if (area.empty()) {
 		return;
@@ -27,13 +23,13 @@ void add_changed_area(std::vector<Rect> &r_areas, const Rect &area) {
 	};
 	for (auto overlap = std::ranges::find_if(r_areas, touches_merged); overlap != r_areas.end();
 			overlap = std::ranges::find_if(r_areas, touches_merged)) {
-		merged = enclosing_rect(merged, *overlap);
+		merged = united(merged, *overlap);
 		r_areas.erase(overlap);
 	}
 	r_areas.push_back(merged);
 	if (r_areas.size() > max_areas) {
 		for (const Rect &other : r_areas) {
-			merged = enclosing_rect(merged, other);
+			merged = united(merged, other);
 		}
 		r_areas.assign(1, merged);
 	}

@@ -6,9 +6,6 @@
 
 namespace thicket {
 
-/// Returns the smallest rectangle that contains `a` and `b`.
-Rect enclosing_rect(const Rect &a, const Rect &b);
-
 /// Adds an area of changed ground in meters to `r_areas`. Merges areas that touch; if there are too
 /// many, merges all of them. Ignores an empty area.
 void add_changed_area(std::vector<Rect> &r_areas, const Rect &area);

@@ -97,7 +97,7 @@ Rect area_of(const AABB &bounds, const Transform3D &frame) {
 		const glm::dvec3 fraction{corner & 1 ? 1.0 : 0.0, corner & 2 ? 1.0 : 0.0, corner & 4 ? 1.0 : 0.0};
 		const glm::dvec3 position = origin + basis * (min_corner + fraction * size);
 		const Rect point{{position.x, position.z}, {position.x, position.z}};
-		area = corner == 0 ? point : enclosing_rect(area, point);
+		area = corner == 0 ? point : united(area, point);
 	}
 	return area;
 }
