@@ -29,12 +29,12 @@ public:
 	/// in tree order.
 	template <class Visit>
 	void find(const Box3 &box, Visit visit) const {
-		BvhStack<Bvh::Node> left;
+		BvhStack<Bvh::Node> pending;
 		if (!tree_.empty()) {
-			left.push(tree_.root());
+			pending.push(tree_.root());
 		}
-		while (!left.empty()) {
-			const Bvh::Node node = left.pop();
+		while (!pending.empty()) {
+			const Bvh::Node node = pending.pop();
 			if (!touch(node_bounds_[tree_.index_of(node)], box)) {
 				continue;
 			}
@@ -45,9 +45,9 @@ public:
 				continue;
 			}
 			if (tree_.has_second(node)) {
-				left.push(tree_.second(node));
+				pending.push(tree_.second(node));
 			}
-			left.push(tree_.first(node));
+			pending.push(tree_.first(node));
 		}
 	}
 

@@ -149,19 +149,20 @@ Status CombinedTerrain::weigh_some(std::span<const glm::dvec2> positions, std::s
 			return status;
 		}
 		std::array<std::size_t, positions_per_group> indices{};
-		std::array<glm::dvec2, positions_per_group> at{};
+		std::array<glm::dvec2, positions_per_group> part_positions{};
 		std::size_t count = 0;
 		for (std::size_t i = 0; i < positions.size(); ++i) {
 			if (group[i].height == r_ground[i].height) {
 				group[count] = {r_ground[i].height, r_ground[i].normal};
-				at[count] = positions[i];
+				part_positions[count] = positions[i];
 				indices[count++] = i;
 			}
 		}
 		if (count == 0) {
 			continue;
 		}
-		const Status status = part->weigh(std::span(at.data(), count), textures, std::span(group.data(), count));
+		const Status status =
+				part->weigh(std::span(part_positions.data(), count), textures, std::span(group.data(), count));
 		if (!status.ok()) {
 			return status;
 		}

@@ -109,12 +109,12 @@ RefusedPost find_refused_post(std::span<const float> posts, int columns, FloatPo
 	const auto is_refused = [=](float post) {
 		return post < min || post > max; // False for NAN, which is a hole.
 	};
-	const auto found = std::ranges::find_if(posts, is_refused);
-	if (found == posts.end()) {
+	const auto rejected = std::ranges::find_if(posts, is_refused);
+	if (rejected == posts.end()) {
 		return {};
 	}
-	const auto index = static_cast<int>(found - posts.begin());
-	return {check_range("posts", *found, min, max), {index % columns, index / columns}};
+	const auto index = static_cast<int>(rejected - posts.begin());
+	return {check_range("posts", *rejected, min, max), {index % columns, index / columns}};
 }
 
 Status Heightfield::set(const HeightfieldFrame &frame, std::span<const std::uint16_t> posts) {
@@ -210,9 +210,9 @@ Status Heightfield::patch(const PixelRect &rect, std::span<const float> posts) {
 /// A height sample affects the heights of the adjacent patches, and slopes up to one sample
 /// farther.
 Rect Heightfield::area_of(const PixelRect &rect) const {
-	constexpr int reach = 2;
-	const glm::dvec2 first = glm::max(rect.min - reach, glm::ivec2(0));
-	const glm::dvec2 last = glm::min(rect.max - 1 + reach, frame_.posts - 1);
+	constexpr int margin = 2;
+	const glm::dvec2 first = glm::max(rect.min - margin, glm::ivec2(0));
+	const glm::dvec2 last = glm::min(rect.max - 1 + margin, frame_.posts - 1);
 	return {frame_.area.min + first / posts_per_meter_, frame_.area.min + last / posts_per_meter_};
 }
 
