@@ -26,12 +26,12 @@ func _initialize() -> void:
 	await process_frame
 	game.forest.remove_in_sphere(Vector3.ZERO, 10.0)
 	var saved: int = game.forest.state.get_removed_count()
-	game.save()
-	game.restore()
+	game.save_game()
+	game.load_game()
 	print("loaded: ", game.forest.state.get_removed_count() == saved)
 	game.forest.remove_in_sphere(Vector3.ZERO, 40.0)
 	print("played on: ", game.forest.state.get_removed_count() > saved)
-	game.restore()
+	game.load_game()
 	print("loaded again: ", game.forest.state.get_removed_count() == saved)
 	quit()
 """
