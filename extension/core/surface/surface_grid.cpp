@@ -29,8 +29,8 @@ void SurfaceGrid::build(
 	words_ = static_cast<std::size_t>((size_.x + 2 * surface_reach + 63) / 64 + 1);
 	bits_.assign(words_ * static_cast<std::size_t>(rows_) * static_cast<std::size_t>(size_.z + 2 * surface_reach), 0);
 	entries_.clear();
-	for (std::uint32_t number = 0; number < triangles.size(); ++number) {
-		enter(triangles[number], number);
+	for (std::uint32_t index = 0; index < triangles.size(); ++index) {
+		enter(triangles[index], index);
 	}
 	for (const glm::ivec3 &cell : extra) {
 		bits_[word_of(cell)] |= std::uint64_t{1} << ((cell.x + surface_reach) & 63);
@@ -38,7 +38,7 @@ void SurfaceGrid::build(
 	number_cells();
 }
 
-void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
+void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t triangle_index) {
 	glm::ivec3 first;
 	glm::ivec3 last;
 	for (int side = 0; side < 3; ++side) {
@@ -78,7 +78,7 @@ void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
 				const std::size_t word = word_of(cell);
 				const auto bit = static_cast<std::uint32_t>((cell.x + surface_reach) & 63);
 				bits_[word] |= std::uint64_t{1} << bit;
-				entries_.push_back({static_cast<std::uint32_t>(word * 64 + bit), number});
+				entries_.push_back({static_cast<std::uint32_t>(word * 64 + bit), triangle_index});
 			}
 		}
 	}
@@ -90,8 +90,8 @@ void SurfaceGrid::number_cells() {
 	for (std::size_t word = 0; word < bits_.size(); ++word) {
 		ranks_[word] = static_cast<std::uint32_t>(cells_.size());
 		const auto row = static_cast<std::int32_t>(word / words_);
-		for (std::uint64_t left = bits_[word]; left != 0; left &= left - 1) {
-			const auto x = static_cast<std::int32_t>(word % words_ * 64) + std::countr_zero(left);
+		for (std::uint64_t remaining_bits = bits_[word]; remaining_bits != 0; remaining_bits &= remaining_bits - 1) {
+			const auto x = static_cast<std::int32_t>(word % words_ * 64) + std::countr_zero(remaining_bits);
 			cells_.push_back(glm::ivec3(x, row % rows_, row / rows_) - surface_reach);
 		}
 	}
@@ -99,25 +99,25 @@ void SurfaceGrid::number_cells() {
 	// the caller's order.
 	starts_.assign(cells_.size() + 1, 0);
 	for (Entry &entry : entries_) {
-		entry.place = rank(entry.place / 64, std::uint64_t{1} << (entry.place & 63));
-		++starts_[entry.place + 1];
+		entry.cell = rank(entry.cell / 64, std::uint64_t{1} << (entry.cell & 63));
+		++starts_[entry.cell + 1];
 	}
-	for (std::size_t number = 1; number < starts_.size(); ++number) {
-		starts_[number] += starts_[number - 1];
+	for (std::size_t index = 1; index < starts_.size(); ++index) {
+		starts_[index] += starts_[index - 1];
 	}
 	triangles_.resize(entries_.size());
 	for (const Entry &entry : entries_) {
-		triangles_[starts_[entry.place]++] = entry.triangle;
+		triangles_[starts_[entry.cell]++] = entry.triangle;
 	}
-	for (std::size_t number = starts_.size() - 1; number > 0; --number) {
-		starts_[number] = starts_[number - 1];
+	for (std::size_t index = starts_.size() - 1; index > 0; --index) {
+		starts_[index] = starts_[index - 1];
 	}
 	starts_[0] = 0;
 }
 
-void SurfaceGrid::append_neighbors(std::uint32_t number, std::vector<std::uint32_t> &r_cells) const {
+void SurfaceGrid::append_neighbors(std::uint32_t cell_index, std::vector<std::uint32_t> &r_cells) const {
 	constexpr std::uint32_t side = 2 * surface_reach + 1;
-	const glm::ivec3 &center = cells_[number];
+	const glm::ivec3 &center = cells_[cell_index];
 	// In a row, the bits of the three cells from x - 1 to x + 1 start at this bit.
 	const int shift = center.x & 63;
 	const auto column = static_cast<std::size_t>(center.x >> 6);
@@ -127,20 +127,20 @@ void SurfaceGrid::append_neighbors(std::uint32_t number, std::vector<std::uint32
 		auto row = static_cast<std::size_t>(center.z + z + surface_reach) * static_cast<std::size_t>(rows_) +
 				static_cast<std::size_t>(center.y);
 		for (std::int32_t y = -surface_reach; y <= surface_reach; ++y, ++row) {
-			const std::size_t left = row * words_ + column;
+			const std::size_t word = row * words_ + column;
 			// Two shifts append the bits of the second word. A single shift would be by 64 bits if
 			// `shift` is 0, which is undefined.
-			const std::uint64_t found = (bits_[left] >> shift | bits_[left + 1] << 1 << (63 - shift)) & 0b111u;
+			const std::uint64_t neighbor_bits = (bits_[word] >> shift | bits_[word + 1] << 1 << (63 - shift)) & 0b111u;
 			// Cells in a row have consecutive numbers. All three numbers are written, because the
-			// end of a loop over only the found cells would be mispredicted. The next row
+			// end of a loop over only the existing cells would be mispredicted. The next row
 			// overwrites the rest.
-			const int place = shift + std::countr_zero(found | 0b100u);
+			const int first_bit = shift + std::countr_zero(neighbor_bits | 0b100u);
 			const std::uint32_t first =
-					rank(left + static_cast<std::size_t>(place >> 6), std::uint64_t{1} << (place & 63));
-			for (std::uint32_t each = 0; each < side; ++each) {
-				r_cells[end + each] = first + each;
+					rank(word + static_cast<std::size_t>(first_bit >> 6), std::uint64_t{1} << (first_bit & 63));
+			for (std::uint32_t i = 0; i < side; ++i) {
+				r_cells[end + i] = first + i;
 			}
-			end += count_bits(found);
+			end += count_bits(neighbor_bits);
 		}
 	}
 	r_cells.resize(end);

@@ -22,7 +22,7 @@ struct CellBox {
 				cell.z < max.z;
 	}
 	bool is_empty() const { return max.x <= min.x || max.y <= min.y || max.z <= min.z; }
-	CellBox grown(std::int32_t by) const { return {min - by, max + by}; }
+	CellBox grown(std::int32_t margin) const { return {min - margin, max + margin}; }
 	CellBox common(const CellBox &other) const;
 	glm::ivec3 size() const { return max - min; }
 	friend bool operator==(const CellBox &, const CellBox &) = default;
@@ -45,7 +45,7 @@ public:
 	std::uint32_t count() const { return static_cast<std::uint32_t>(cells_.size()); }
 
 	/// Returns the cell with this number, relative to the box.
-	const glm::ivec3 &cell(std::uint32_t number) const { return cells_[number]; }
+	const glm::ivec3 &cell(std::uint32_t index) const { return cells_[index]; }
 
 	/// Returns the number of a cell, or `none`. `cell` is relative to the box, and may be up to
 	/// surface_reach cells outside it.
@@ -55,19 +55,19 @@ public:
 		return (bits_[word] & bit) != 0 ? rank(word, bit) : none;
 	}
 
-	std::span<const std::uint32_t> triangles_in(std::uint32_t number) const {
-		return std::span(triangles_).subspan(starts_[number], starts_[number + 1] - starts_[number]);
+	std::span<const std::uint32_t> triangles_in(std::uint32_t cell_index) const {
+		return std::span(triangles_).subspan(starts_[cell_index], starts_[cell_index + 1] - starts_[cell_index]);
 	}
 
 	/// Appends the numbers of the cells that a ball around a point in this cell can reach,
 	/// including this cell, in ascending order.
-	void append_neighbors(std::uint32_t number, std::vector<std::uint32_t> &r_cells) const;
+	void append_neighbors(std::uint32_t cell_index, std::vector<std::uint32_t> &r_cells) const;
 
 	std::size_t bytes() const;
 
 private:
 	struct Entry {
-		std::uint32_t place; ///< Index of the cell's bit; later the cell's number.
+		std::uint32_t cell; ///< Index of the cell's bit; later the cell's number.
 		std::uint32_t triangle;
 	};
 
@@ -79,7 +79,7 @@ private:
 	std::uint32_t rank(std::size_t word, std::uint64_t bit) const {
 		return ranks_[word] + count_bits(bits_[word] & (bit - 1));
 	}
-	void enter(const SurfaceTriangle &triangle, std::uint32_t number);
+	void enter(const SurfaceTriangle &triangle, std::uint32_t triangle_index);
 	void number_cells();
 
 	CellBox box_;

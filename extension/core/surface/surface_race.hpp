@@ -43,19 +43,19 @@ public:
 	};
 
 	/// Prepares a race and reuses memory. `triangles` are in units of this level relative to the
-	/// lower corner of `box`, and must outlive the race. `placed` are the points of coarser levels
+	/// lower corner of `box`, and must outlive the race. `coarser_points` are the points of coarser levels
 	/// in `box`, in units of this level.
 	void start(const SurfaceSource &source, std::uint32_t level, const CellBox &box, const OpenFaces &open_faces,
-			std::span<const SurfaceTriangle> triangles, std::span<const SurfaceDart> placed);
+			std::span<const SurfaceTriangle> triangles, std::span<const SurfaceDart> coarser_points);
 
-	/// Decides all darts in the cells of `wanted`. Calls `report`, unless it is empty, with the
+	/// Decides all darts in the cells of `output_box`. Calls `report`, unless it is empty, with the
 	/// decided fraction of the cells, which never decreases. Returns false if `cancel` is set, or if
 	/// a dart depends on cells outside the box. In the second case, `undecided` is not null.
-	bool decide(const CellBox &wanted, const std::atomic<bool> *cancel, const std::function<void(double)> &report);
+	bool decide(const CellBox &output_box, const std::atomic<bool> *cancel, const std::function<void(double)> &report);
 
-	/// Appends the points in the cells of `wanted`, ordered by cell (z, then
+	/// Appends the points in the cells of `output_box`, ordered by cell (z, then
 	/// y, then x) and time, the latest first.
-	void append_points(const CellBox &wanted, std::vector<SurfaceDart> &r_points) const;
+	void append_points(const CellBox &output_box, std::vector<SurfaceDart> &r_points) const;
 
 	/// Returns the position of a dart that depends on cells outside the box, in units relative to
 	/// the world's origin, or null if there is none.
@@ -68,11 +68,12 @@ private:
 	static constexpr std::uint32_t none = SurfaceGrid::none;
 
 	/// A dart that waits for other cells. The fields are valid if `hash` is that of the cell's next line.
-	struct Waiting {
+	struct WaitingDart {
 		std::uint64_t hash = 0;
-		std::int32_t along = 0; ///< Position of the hit along the line.
+		std::int32_t offset = 0; ///< Position of the hit along the line.
 		std::uint32_t triangle = 0;
-		std::uint32_t near = none; ///< Balls from this entry of the near list on do not contain the dart.
+		/// The balls of this entry of the list of near points, and of all later ones, do not contain the dart.
+		std::uint32_t first_checked = none;
 	};
 	struct Cell {
 		SurfaceLines::List lines = SurfaceLines::empty;
@@ -82,9 +83,9 @@ private:
 		std::uint32_t face_count = 0;
 		std::uint32_t neighbors = none; ///< Index in `neighbors_` of the first neighbor.
 		std::uint32_t neighbor_count = 0;
-		std::uint32_t point = none; ///< Index in `points_` of the cell's last point.
-		std::uint32_t near = none;  ///< Index in `near_` of the first list entry.
-		Waiting waiting;
+		std::uint32_t point = none;      ///< Index in `points_` of the cell's last point.
+		std::uint32_t first_near = none; ///< Index in `near_points_` of the first list entry.
+		WaitingDart waiting_dart;
 		SurfaceSearch search;
 		bool is_refined = false; ///< True after `refine`.
 	};
@@ -96,71 +97,72 @@ private:
 		std::uint32_t previous; ///< Index of the cell's previous point.
 	};
 	/// A list entry: a point whose ball reaches the cell.
-	struct Near {
+	struct NearPoint {
 		glm::ivec3 position;
 		std::uint32_t next;
 	};
 	struct Hit {
-		std::int32_t along;
+		std::int32_t offset;    ///< Position along the line, from the lower face of the cell.
 		std::uint32_t triangle; ///< Index of the triangle in `triangles_`.
 	};
-	struct Wanted {
+	/// A cell whose darts are to be decided up to a time.
+	struct Goal {
 		std::uint32_t cell;
-		SurfaceTime until;
+		SurfaceTime end_time;
 	};
-	enum class Fate : std::uint8_t { accepted, rejected, waits, unknown };
+	enum class Verdict : std::uint8_t { accepted, rejected, waits, unknown };
 
 	/// Decides all darts in a group of cells. The function reorders the group.
 	bool decide_group(std::span<std::uint32_t> group);
-	bool settle(std::uint32_t number, SurfaceTime until);
+	bool settle(std::uint32_t cell_index, SurfaceTime end_time);
 	/// Determines a cell's search axes and the columns that the surface may enter.
-	void prepare(std::uint32_t number);
+	void prepare(std::uint32_t cell_index);
 	/// Divides a cell's surface into faces.
-	void add_faces(std::uint32_t number, int axis);
+	void add_faces(std::uint32_t cell_index, int axis);
 	/// Closes the columns of a cell's faces that their triangles do not enter. Called when a line through a column has
 	/// no hit, which is frequent only where a border of the surface passes through the cell.
-	void refine(std::uint32_t number);
-	SurfaceSearch search_in(std::uint32_t number) const;
-	void throw_first(std::uint32_t number);
+	void refine(std::uint32_t cell_index);
+	SurfaceSearch search_in(std::uint32_t cell_index) const;
+	void throw_first(std::uint32_t cell_index);
 	/// Decides the cell's next line and returns `none`. If a different cell must first be decided
 	/// up to that line's time, the function returns that cell instead.
-	std::uint32_t step(std::uint32_t number);
+	std::uint32_t step(std::uint32_t cell_index);
 	/// Finds the hits of a line that are kept. Returns true if other hits are not kept.
-	bool find_hits(std::uint32_t number, const SurfaceLine &line, const SurfaceLine::Course &course);
-	/// Decides a dart that is known not to be in the balls from the list entry `clear` on.
-	Fate judge(std::uint32_t number, SurfaceTime time, const glm::ivec3 &position, std::uint32_t clear,
+	bool find_hits(std::uint32_t cell_index, const SurfaceLine &line, const SurfaceLine::Course &course);
+	/// Decides a dart that is known not to be in the balls from the list entry `first_checked` on.
+	Verdict judge(std::uint32_t cell_index, SurfaceTime time, const glm::ivec3 &position, std::uint32_t first_checked,
 			std::uint32_t &r_blocker);
-	void accept(std::uint32_t number, const glm::ivec3 &position, std::uint32_t triangle, SurfaceTime time,
+	void accept(std::uint32_t cell_index, const glm::ivec3 &position, std::uint32_t triangle, SurfaceTime time,
 			std::uint32_t level);
 	/// Closes the columns of a cell that the ball around a new point covers. `offset` is the point's
 	/// position relative to the cell.
-	void cover(std::uint32_t number, const glm::ivec3 &position, const glm::ivec3 &offset);
+	void cover(std::uint32_t cell_index, const glm::ivec3 &position, const glm::ivec3 &offset);
 	std::span<SurfacePatch> faces_of(const Cell &cell) {
 		return std::span(faces_).subspan(cell.faces, cell.face_count);
 	}
 	bool is_open(const Cell &cell, int axis, std::uint32_t column);
 	bool has_open_columns(const Cell &cell, int axis);
-	void finish(std::uint32_t number);
+	void finish(std::uint32_t cell_index);
 	/// Replaces the cell's next line, which produced no further dart, by the lines that follow it.
 	/// `has_failed` is false if the only reason is that its hits were not kept.
-	void advance(std::uint32_t number, bool has_failed);
+	void advance(std::uint32_t cell_index, bool has_failed);
 	/// Drops the cell's next line. A line through the whole cell, or the first line through a
 	/// column, is replaced by the next one that passes through an open column.
-	void skip_next(std::uint32_t number);
-	void skip_whole(std::uint32_t number);
+	void skip_next(std::uint32_t cell_index);
+	void skip_whole(std::uint32_t cell_index);
 	/// Replaces the cell's next line by the earliest first line through an open column whose key is
 	/// less than `before`, or drops it if there is none.
-	void show_column(std::uint32_t number, const SurfaceColumnClocks &clocks, SurfaceColumnClocks::Key before);
+	void show_column(std::uint32_t cell_index, const SurfaceColumnClocks &clocks, SurfaceColumnClocks::Key before);
 	/// Returns the quarters of a line's column that the surface may enter and no point's ball is
 	/// known to cover, one bit each.
-	std::uint32_t open_quarters(std::uint32_t number, const SurfaceLine &line);
+	std::uint32_t open_quarters(std::uint32_t cell_index, const SurfaceLine &line);
 	/// Returns false if the surface in a column of depth surface_column_depth is known to be covered.
-	bool may_have_gaps(std::uint32_t number, int axis, std::uint32_t column);
+	bool may_have_gaps(std::uint32_t cell_index, int axis, std::uint32_t column);
 	/// Returns true if the ball of a single point covers the box from `from` to `to`.
-	bool is_covered(std::uint32_t number, const glm::ivec3 &from, const glm::ivec3 &to) const;
+	bool is_covered(std::uint32_t cell_index, const glm::ivec3 &from, const glm::ivec3 &to) const;
 	/// Skips lines in closed columns and shows the time of the next line to other cells.
-	void show_next(std::uint32_t number);
-	std::span<const std::uint32_t> neighbors_of(std::uint32_t number);
+	void show_next(std::uint32_t cell_index);
+	std::span<const std::uint32_t> neighbors_of(std::uint32_t cell_index);
 	bool is_near_open_face(const glm::ivec3 &position) const;
 
 	SurfaceSource source_;
@@ -168,17 +170,17 @@ private:
 	OpenFaces open_faces_;
 	std::span<const SurfaceTriangle> triangles_;
 	SurfaceGrid grid_;
-	std::vector<glm::ivec3> extra_;
+	std::vector<glm::ivec3> coarser_cells_;
 	/// Time of each cell's next line; surface_time_never once the cell is decided.
 	std::vector<SurfaceTime> times_;
-	std::vector<std::uint32_t> pending_; ///< Numbers of the wanted cells.
+	std::vector<std::uint32_t> pending_; ///< Indices of the cells to decide.
 	std::vector<Cell> cells_;
 	std::vector<SurfacePatch> faces_;
 	std::vector<Point> points_;
 	SurfaceLines lines_;
 	std::vector<std::uint32_t> neighbors_;
-	std::vector<Near> near_;
-	std::vector<Wanted> wanted_;
+	std::vector<NearPoint> near_points_;
+	std::vector<Goal> goals_;
 	std::vector<Hit> hits_;
 	glm::i64vec3 undecided_{0};
 	bool is_undecided_ = false;

@@ -123,15 +123,15 @@ double expected_points(
 	return area * point_density(set);
 }
 
-/// Returns true if a triangle is one of the faces in `which`. A triangle within 0.06 degrees of
+/// Returns true if a triangle is one of the faces in `permitted`. A triangle within 0.06 degrees of
 /// vertical counts as vertical, because the difference may be due to rounding.
-bool faces(SurfaceFaces which, const Surface &surface, std::uint32_t triangle) {
-	if (which == SurfaceFaces::all) {
+bool faces(SurfaceFaces permitted, const Surface &surface, std::uint32_t triangle) {
+	if (permitted == SurfaceFaces::all) {
 		return true;
 	}
 	constexpr double vertical = 1e-3;
 	const glm::dvec3 cross = surface.cross(triangle);
-	const double tilt = which == SurfaceFaces::up ? cross.y : -cross.y;
+	const double tilt = permitted == SurfaceFaces::up ? cross.y : -cross.y;
 	return tilt >= 0.0 || tilt * tilt <= vertical * vertical * glm::dot(cross, cross);
 }
 
@@ -142,8 +142,8 @@ std::uint64_t surface_id(std::uint16_t layer, const glm::ivec3 &cell) {
 		return ((side + limit) & (2 * limit - 1)) - limit;
 	};
 	const std::int32_t height = wrapped(cell.y, surface_id_height);
-	const auto with_height = [&](std::int32_t side, std::int32_t part) {
-		return wrapped(side, surface_id_extent) * surface_id_steps + (part & (surface_id_steps - 1));
+	const auto with_height = [&](std::int32_t side, std::int32_t height_bits) {
+		return wrapped(side, surface_id_extent) * surface_id_steps + (height_bits & (surface_id_steps - 1));
 	};
 	return pack({layer, {with_height(cell.x, height >> surface_id_step_bits), with_height(cell.z, height)}});
 }
@@ -162,9 +162,9 @@ double sampling_margin(const PointSet &set, std::int32_t widest_margin) {
 struct SurfaceSampler::Workspace {
 	struct Level {
 		SurfaceRace race;
-		std::vector<std::uint32_t> found; ///< The triangles near the box.
+		std::vector<std::uint32_t> nearby_triangles; ///< The triangles near the box.
 		std::vector<SurfaceTriangle> triangles;
-		std::vector<SurfaceDart> placed; ///< The points of coarser levels.
+		std::vector<SurfaceDart> coarser_points; ///< The points of coarser levels.
 	};
 
 	/// The arguments of a call.
@@ -178,15 +178,17 @@ struct SurfaceSampler::Workspace {
 
 	SampleMargins margins;
 	std::array<Level, max_levels> levels;
-	std::vector<SurfaceDart> decided;
+	std::vector<SurfaceDart> decided_darts;
 	std::function<void(double)> report; ///< Called with the decided fraction of the current block; may be empty.
 	double reported = 0.0;              ///< The last fraction that was passed to the caller.
 	SurfaceStats stats;
 
 	Status run(const Call &call);
 	Status divide(const Call &call, const CellBox &cells, std::span<const Box3> triangles, double begin, double end);
-	Status decide(const Call &call, std::uint32_t number, const CellBox &wanted, std::vector<SurfaceDart> &r_points);
-	bool race(const Call &call, std::uint32_t number, const CellBox &wanted, const CellBox &box, const CellBox &bounds);
+	Status decide(
+			const Call &call, std::uint32_t level_index, const CellBox &output_box, std::vector<SurfaceDart> &r_points);
+	bool race(const Call &call, std::uint32_t level_index, const CellBox &output_box, const CellBox &box,
+			const CellBox &bounds);
 	void collect(const Call &call);
 };
 
@@ -207,12 +209,12 @@ Status SurfaceSampler::Workspace::run(const Call &call) {
 		return status;
 	}
 	const Box3 &bounds = call.surface.bounds();
-	const Box3 all = call.window == nullptr
+	const Box3 search_box = call.window == nullptr
 			? bounds
 			: Box3{glm::max(bounds.min, call.window->min), glm::min(bounds.max, call.window->max)};
 	std::vector<std::uint32_t> triangles;
-	call.surface.find(all, triangles);
-	const double expected = expected_points(call.set, call.surface, all, triangles);
+	call.surface.find(search_box, triangles);
+	const double expected = expected_points(call.set, call.surface, search_box, triangles);
 	if (expected > max_points_per_call) {
 		return Status::too_many_points("window", expected, max_points_per_call);
 	}
@@ -221,7 +223,7 @@ Status SurfaceSampler::Workspace::run(const Call &call) {
 		return {};
 	}
 	const double unit = level_unit(call.set, 0);
-	const CellBox cells = cells_around({all.min - unit, all.max + unit}, unit);
+	const CellBox cells = cells_around({search_box.min - unit, search_box.max + unit}, unit);
 	std::vector<Box3> boxes;
 	if (longest_side(cells.size()) > widest_block) { // The windows of most tiles are not divided.
 		boxes.reserve(triangles.size());
@@ -241,7 +243,7 @@ Status SurfaceSampler::Workspace::divide(
 	}
 	const glm::ivec3 size = cells.size();
 	if (longest_side(size) <= widest_block) {
-		decided.clear();
+		decided_darts.clear();
 		if (call.progress.report) {
 			// A block that is decided again with a wider margin starts over, but the caller's fraction never decreases.
 			report = [this, &call, begin, end](double fraction) {
@@ -249,7 +251,7 @@ Status SurfaceSampler::Workspace::divide(
 				call.progress.report(reported, call.points.size());
 			};
 		}
-		const Status status = decide(call, 0, cells, decided);
+		const Status status = decide(call, 0, cells, decided_darts);
 		report = nullptr;
 		if (!status.ok()) {
 			return status;
@@ -264,56 +266,58 @@ Status SurfaceSampler::Workspace::divide(
 	longest = size.z > size[longest] ? 2 : longest;
 	std::array<CellBox, 2> halves{cells, cells};
 	halves[0].max[longest] = halves[1].min[longest] = cells.min[longest] + size[longest] / 2;
-	double done = begin;
-	std::vector<Box3> inside;
+	double half_begin = begin;
+	std::vector<Box3> half_triangles;
 	for (const CellBox &half : halves) {
 		const Box3 box = world_box(half, level_unit(call.set, 0));
-		inside.clear();
-		std::ranges::copy_if(triangles, std::back_inserter(inside), [&](const Box3 &bounds) {
+		half_triangles.clear();
+		std::ranges::copy_if(triangles, std::back_inserter(half_triangles), [&](const Box3 &bounds) {
 			return bounds.min[longest] <= box.max[longest] && bounds.max[longest] >= box.min[longest];
 		});
-		const double share = half.min == cells.min ? 0.5 : 1.0;
-		const double until = begin + (end - begin) * share;
-		if (!inside.empty()) {
-			if (const Status status = divide(call, half, inside, done, until); !status.ok()) {
+		const double fraction = half.min == cells.min ? 0.5 : 1.0;
+		const double half_end = begin + (end - begin) * fraction;
+		if (!half_triangles.empty()) {
+			if (const Status status = divide(call, half, half_triangles, half_begin, half_end); !status.ok()) {
 				return status;
 			}
 		}
-		done = until;
+		half_begin = half_end;
 	}
 	return {};
 }
 
-/// Appends the points in the wanted cells of one level and of all coarser levels.
+/// Appends the points in the requested cells of one level and of all coarser levels.
 Status SurfaceSampler::Workspace::decide(
-		const Call &call, std::uint32_t number, const CellBox &wanted, std::vector<SurfaceDart> &r_points) {
-	const CellBox bounds = cells_around(call.surface.bounds(), level_unit(call.set, number));
-	Level &level = levels[number];
+		const Call &call, std::uint32_t level_index, const CellBox &output_box, std::vector<SurfaceDart> &r_points) {
+	const CellBox bounds = cells_around(call.surface.bounds(), level_unit(call.set, level_index));
+	Level &level = levels[level_index];
 	const std::int32_t widest = margin_in_cells(margins.widest);
 	for (std::int32_t margin = margin_in_cells(margins.first);; margin = std::min(2 * margin, widest)) {
-		const CellBox box = wanted.grown(margin).common(bounds);
+		const CellBox box = output_box.grown(margin).common(bounds);
 		if (box.is_empty()) {
 			return {};
 		}
-		level.placed.clear();
-		if (number + 1 < call.set.levels) {
-			if (const Status status = decide(call, number + 1, coarse_cells_around(box), level.placed); !status.ok()) {
+		level.coarser_points.clear();
+		if (level_index + 1 < call.set.levels) {
+			if (const Status status = decide(call, level_index + 1, coarse_cells_around(box), level.coarser_points);
+					!status.ok()) {
 				return status;
 			}
-			for (SurfaceDart &dart : level.placed) {
+			for (SurfaceDart &dart : level.coarser_points) {
 				dart.position *= std::int64_t{2};
 			}
-			std::erase_if(level.placed, [&box](const SurfaceDart &dart) { return !box.contains(dart_cell(dart)); });
+			std::erase_if(
+					level.coarser_points, [&box](const SurfaceDart &dart) { return !box.contains(dart_cell(dart)); });
 		}
 		const SurfaceCounts before = level.race.counts();
-		const bool is_decided = race(call, number, wanted, box, bounds);
+		const bool is_decided = race(call, level_index, output_box, box, bounds);
 		const SurfaceCounts &after = level.race.counts();
 		stats.computed += after.accepted - before.accepted;
 		stats.lines += after.lines - before.lines;
 		stats.darts += after.hits - before.hits;
 		stats.cells += after.cells - before.cells;
 		if (is_decided) {
-			level.race.append_points(wanted, r_points);
+			level.race.append_points(output_box, r_points);
 			return {};
 		}
 		const glm::i64vec3 *undecided = level.race.undecided();
@@ -321,22 +325,22 @@ Status SurfaceSampler::Workspace::decide(
 			return {ErrorCode::cancelled, "window"};
 		}
 		if (margin == widest) {
-			const glm::dvec3 place = glm::dvec3(*undecided) * level_unit(call.set, number);
+			const glm::dvec3 position = glm::dvec3(*undecided) * level_unit(call.set, level_index);
 			return {ErrorCode::margin_too_wide, "window", static_cast<double>(margin),
-					{call.set.seed, call.set.radius, {place.x, place.z}}};
+					{call.set.seed, call.set.radius, {position.x, position.z}}};
 		}
 		++stats.retries;
 	}
 }
 
-bool SurfaceSampler::Workspace::race(
-		const Call &call, std::uint32_t number, const CellBox &wanted, const CellBox &box, const CellBox &bounds) {
-	Level &level = levels[number];
-	const double unit = level_unit(call.set, number);
+bool SurfaceSampler::Workspace::race(const Call &call, std::uint32_t level_index, const CellBox &output_box,
+		const CellBox &box, const CellBox &bounds) {
+	Level &level = levels[level_index];
+	const double unit = level_unit(call.set, level_index);
 	const glm::dvec3 origin = glm::dvec3(box.min) * static_cast<double>(surface_cell_size);
-	call.surface.find(world_box(box, unit), level.found);
+	call.surface.find(world_box(box, unit), level.nearby_triangles);
 	level.triangles.clear();
-	for (const std::uint32_t index : level.found) {
+	for (const std::uint32_t index : level.nearby_triangles) {
 		if (!faces(call.set.faces, call.surface, index)) {
 			continue;
 		}
@@ -348,19 +352,20 @@ bool SurfaceSampler::Workspace::race(
 			level.triangles.push_back(*triangle);
 		}
 	}
-	SurfaceRace::OpenFaces open;
+	SurfaceRace::OpenFaces open_faces;
 	for (int axis = 0; axis < 3; ++axis) {
 		const auto side = static_cast<std::size_t>(axis);
-		open.lower[side] = box.min[axis] > bounds.min[axis];
-		open.upper[side] = box.max[axis] < bounds.max[axis];
+		open_faces.lower[side] = box.min[axis] > bounds.min[axis];
+		open_faces.upper[side] = box.max[axis] < bounds.max[axis];
 	}
-	level.race.start(SurfaceSource::of(call.set, number), number, box, open, level.triangles, level.placed);
-	return level.race.decide(wanted, call.progress.cancel, number == 0 ? report : nullptr);
+	level.race.start(SurfaceSource::of(call.set, level_index), level_index, box, open_faces, level.triangles,
+			level.coarser_points);
+	return level.race.decide(output_box, call.progress.cancel, level_index == 0 ? report : nullptr);
 }
 
 void SurfaceSampler::Workspace::collect(const Call &call) {
 	const double unit = level_unit(call.set, 0);
-	for (const SurfaceDart &dart : decided) {
+	for (const SurfaceDart &dart : decided_darts) {
 		const glm::dvec3 position = glm::dvec3(dart.position) * unit;
 		if (call.window != nullptr &&
 				(glm::any(glm::lessThan(position, call.window->min)) ||
@@ -394,9 +399,9 @@ Status SurfaceSampler::sample_in(const PointSet &set, const Surface &surface, co
 		std::vector<SurfacePoint> &r_points, const Progress &progress) {
 	Status status = guarded("triangles", static_cast<double>(surface.triangle_count()),
 			[&] { return workspace_->run({set, surface, window, progress, r_points}); });
-	const bool broke_off = status.code == ErrorCode::margin_too_wide || status.code == ErrorCode::cancelled ||
+	const bool is_incomplete = status.code == ErrorCode::margin_too_wide || status.code == ErrorCode::cancelled ||
 			status.code == ErrorCode::out_of_memory;
-	if (broke_off) {
+	if (is_incomplete) {
 		r_points.clear();
 	}
 	workspace_->stats.workspace_bytes = 0;
