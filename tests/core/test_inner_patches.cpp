@@ -71,7 +71,7 @@ TEST_CASE("inner patches: batches are bit-identical to single patches, on every 
 				const std::array<float, 4> actual{
 						patches.height[i], patches.normal_x[i], patches.normal_y[i], patches.normal_z[i]};
 				REQUIRE(std::memcmp(expected[i].data(), actual.data(), sizeof actual) == 0);
-				REQUIRE(patches.numbers[i] == i + 1);
+				REQUIRE(patches.indices[i] == i + 1);
 			}
 		}
 	}

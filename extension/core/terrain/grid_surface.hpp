@@ -61,16 +61,16 @@ public:
 
 	void find(const Box3 &box, std::vector<std::uint32_t> &r_triangles) const override {
 		r_triangles.clear();
-		const Layout &known = layout();
-		if (!touch(known.bounds, box)) {
+		const Layout &grid_layout = layout();
+		if (!touch(grid_layout.bounds, box)) {
 			return;
 		}
 		// A box may be infinite; the bounds are not.
 		const auto &[first, last] =
-				patches_in({glm::max(box.min, known.bounds.min), glm::min(box.max, known.bounds.max)});
+				patches_in({glm::max(box.min, grid_layout.bounds.min), glm::min(box.max, grid_layout.bounds.max)});
 		for (glm::ivec2 patch = first; patch.y <= last.y; ++patch.y) {
 			for (patch.x = first.x; patch.x <= last.x; ++patch.x) {
-				const Heights &block = known.blocks[block_of(patch)];
+				const Heights &block = grid_layout.blocks[block_of(patch)];
 				if (block.low > box.max.y || block.high < box.min.y) {
 					patch.x |= block_side - 1; // Continues after the block.
 					continue;
@@ -117,15 +117,16 @@ private:
 					}
 				}
 			}
-			Heights all;
+			Heights extent;
 			for (const Heights &block : result.blocks) {
-				all.low = std::min(all.low, block.low);
-				all.high = std::max(all.high, block.high);
+				extent.low = std::min(extent.low, block.low);
+				extent.high = std::max(extent.high, block.high);
 			}
-			for (int corner = 0; corner < 4 && all.low <= all.high; ++corner) {
+			for (int corner = 0; corner < 4 && extent.low <= extent.high; ++corner) {
 				const glm::dvec2 post_position = grid_.post_position(patches * glm::ivec2(corner % 2, corner / 2));
 				result.bounds = with(result.bounds,
-						{{post_position.x, all.low, post_position.y}, {post_position.x, all.high, post_position.y}});
+						{{post_position.x, extent.low, post_position.y},
+								{post_position.x, extent.high, post_position.y}});
 			}
 			return result;
 		});
@@ -135,12 +136,12 @@ private:
 	/// box, plus one patch on each side for rounding errors.
 	std::array<glm::ivec2, 2> patches_in(const Box3 &box) const {
 		const PostRange range = grid_.range(box);
-		const auto within = [](double at, int patches) {
+		const auto clamped_patch = [](double at, int patches) {
 			return at > 0.0 ? static_cast<int>(std::min(at, patches - 1.0)) : 0;
 		};
 		const glm::ivec2 patches = grid_.patches();
-		return {glm::ivec2{within(range.min.x - 1.0, patches.x), within(range.min.y - 1.0, patches.y)},
-				glm::ivec2{within(range.max.x + 1.0, patches.x), within(range.max.y + 1.0, patches.y)}};
+		return {glm::ivec2{clamped_patch(range.min.x - 1.0, patches.x), clamped_patch(range.min.y - 1.0, patches.y)},
+				glm::ivec2{clamped_patch(range.max.x + 1.0, patches.x), clamped_patch(range.max.y + 1.0, patches.y)}};
 	}
 
 	void add_patch(glm::ivec2 patch, const Box3 &box, std::vector<std::uint32_t> &r_triangles) const {
@@ -164,9 +165,9 @@ private:
 			const glm::dvec2 post_position = grid_.post_position(patch + glm::ivec2(column, row));
 			return glm::dvec3(post_position.x, heights[static_cast<std::size_t>(2 * row + column)], post_position.y);
 		};
-		const glm::dvec3 off = second ? corner(1, 1) : corner(0, 0);
-		return second != grid_.mirrored ? std::array{corner(1, 0), corner(0, 1), off}
-										: std::array{off, corner(0, 1), corner(1, 0)};
+		const glm::dvec3 third_corner = second ? corner(1, 1) : corner(0, 0);
+		return second != grid_.mirrored ? std::array{corner(1, 0), corner(0, 1), third_corner}
+										: std::array{third_corner, corner(0, 1), corner(1, 0)};
 	}
 
 	Grid grid_;

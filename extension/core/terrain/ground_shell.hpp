@@ -35,7 +35,7 @@ struct GroundShell {
 		const auto is_inside = [&](const glm::dvec3 &from, const glm::dvec3 &to) {
 			return glm::dot(glm::cross(to - from, foot - from), normal) >= 0.0;
 		};
-		double min_distance = std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+		double min_distance = std::min({distance_to_edge(a, b), distance_to_edge(b, c), distance_to_edge(c, a)});
 		if (is_inside(a, b) && is_inside(b, c) && is_inside(c, a)) {
 			min_distance = std::min(min_distance, glm::length(foot));
 		}
@@ -53,11 +53,11 @@ struct GroundShell {
 	friend bool operator==(const GroundShell &, const GroundShell &) = default;
 
 private:
-	static double to_edge(const glm::dvec3 &from, const glm::dvec3 &to) {
-		const glm::dvec3 along = to - from;
-		const double squared = glm::dot(along, along);
-		const double fraction = squared > 0.0 ? std::clamp(-glm::dot(from, along) / squared, 0.0, 1.0) : 0.0;
-		return glm::length(from + fraction * along);
+	static double distance_to_edge(const glm::dvec3 &from, const glm::dvec3 &to) {
+		const glm::dvec3 edge = to - from;
+		const double squared = glm::dot(edge, edge);
+		const double fraction = squared > 0.0 ? std::clamp(-glm::dot(from, edge) / squared, 0.0, 1.0) : 0.0;
+		return glm::length(from + fraction * edge);
 	}
 };
 

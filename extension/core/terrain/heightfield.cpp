@@ -106,15 +106,15 @@ RefusedPost find_refused_post(std::span<const float> posts, int columns, FloatPo
 	const bool units = meaning == FloatPosts::units;
 	const float min = units ? 0.0F : static_cast<float>(-max_heightfield_height);
 	const float max = units ? 1.0F : static_cast<float>(max_heightfield_height);
-	const auto is_refused = [=](float post) {
+	const auto is_invalid = [=](float post) {
 		return post < min || post > max; // False for NAN, which is a hole.
 	};
-	const auto rejected = std::ranges::find_if(posts, is_refused);
-	if (rejected == posts.end()) {
+	const auto invalid_post = std::ranges::find_if(posts, is_invalid);
+	if (invalid_post == posts.end()) {
 		return {};
 	}
-	const auto index = static_cast<int>(rejected - posts.begin());
-	return {check_range("posts", *rejected, min, max), {index % columns, index / columns}};
+	const auto index = static_cast<int>(invalid_post - posts.begin());
+	return {check_range("posts", *invalid_post, min, max), {index % columns, index / columns}};
 }
 
 Status Heightfield::set(const HeightfieldFrame &frame, std::span<const std::uint16_t> posts) {
@@ -165,9 +165,9 @@ void Heightfield::take(HeightPosts posts) {
 	posts_ = std::move(posts);
 }
 
-Status Heightfield::check_patch(const PixelRect &rect, std::size_t posts, bool fits) const {
+Status Heightfield::check_patch(const PixelRect &rect, std::size_t posts, bool type_matches) const {
 	const glm::ivec2 count = frame_.posts;
-	if (!fits) {
+	if (!type_matches) {
 		return {ErrorCode::missing, "height samples of this type", 0.0};
 	}
 	if (rect.empty() || rect.min.x < 0 || rect.min.y < 0 || rect.max.x > count.x || rect.max.y > count.y) {
@@ -218,27 +218,27 @@ Rect Heightfield::area_of(const PixelRect &rect) const {
 
 void Heightfield::add_changes(const Heightfield &before, std::vector<Rect> &r_areas) const {
 	const HeightPosts &posts = posts_;
-	const HeightPosts &former = before.posts_;
-	const bool floats_differ = !posts.floats.empty() && posts.meaning != former.meaning;
-	if (!(frame_ == before.frame_) || posts.steps.empty() != former.steps.empty() || floats_differ) {
+	const HeightPosts &previous_posts = before.posts_;
+	const bool floats_differ = !posts.floats.empty() && posts.meaning != previous_posts.meaning;
+	if (!(frame_ == before.frame_) || posts.steps.empty() != previous_posts.steps.empty() || floats_differ) {
 		r_areas.push_back(before.frame_.area);
 		r_areas.push_back(frame_.area);
 		return;
 	}
 	std::vector<PixelRect> changed;
 	if (posts.steps.empty()) {
-		posts.floats.add_changes(former.floats, changed);
+		posts.floats.add_changes(previous_posts.floats, changed);
 	} else {
-		posts.steps.add_changes(former.steps, changed);
+		posts.steps.add_changes(previous_posts.steps, changed);
 	}
 	for (const PixelRect &rect : changed) {
 		r_areas.push_back(area_of(rect));
 	}
-	std::vector<Rect> parts;
-	weights_.add_changes(before.weights_, parts);
-	for (const Rect &part : parts) {
+	std::vector<Rect> weight_areas;
+	weights_.add_changes(before.weights_, weight_areas);
+	for (const Rect &weight_area : weight_areas) {
 		const glm::dvec2 size = frame_.area.size();
-		r_areas.push_back({frame_.area.min + part.min * size, frame_.area.min + part.max * size});
+		r_areas.push_back({frame_.area.min + weight_area.min * size, frame_.area.min + weight_area.max * size});
 	}
 }
 
@@ -279,13 +279,13 @@ double Heightfield::post_height(glm::ivec2 post) const {
 /// Samples ground from 16-bit height samples, which have no holes.
 void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	InnerPatches patches;
-	const auto whole = [](std::uint16_t post) {
+	const auto identity = [](std::uint16_t post) {
 		return post;
 	};
 	const auto compute = [&] {
 		patches.compute({base_, meters_per_step_, posts_per_meter_});
 		for (std::size_t i = 0; i < patches.count; ++i) {
-			r_ground[patches.numbers[i]] = {
+			r_ground[patches.indices[i]] = {
 					patches.height[i], {patches.normal_x[i], patches.normal_y[i], patches.normal_z[i]}};
 		}
 		patches.count = 0;
@@ -297,12 +297,12 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 		}
 		const Patch patch = patch_at(positions[i]);
 		if (!is_inner_patch(frame_.posts, patch.first)) {
-			r_ground[i] = ground_in_area(posts_.steps, whole, positions[i]);
+			r_ground[i] = ground_in_area(posts_.steps, identity, positions[i]);
 			continue;
 		}
 		// Patches that are not at the border, which are most patches, are computed many at a time.
 		const PostGrid<std::uint16_t>::Window window = posts_.steps.window(patch.first);
-		patches.add(window.first, window.stride, patch.part, i);
+		patches.add(window.first, window.stride, patch.fraction, i);
 		if (patches.full()) {
 			compute();
 		}
@@ -331,8 +331,8 @@ Status Heightfield::weigh(std::span<const glm::dvec2> positions, std::span<const
 	const unsigned channels = weights_.channels_of(textures);
 	const glm::dvec2 size = frame_.area.size();
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		const bool inside = in_area(positions[i]);
-		r_ground[i].weight = inside ? weights_.weight((positions[i] - frame_.area.min) / size, channels) : 0.0f;
+		const bool is_inside = in_area(positions[i]);
+		r_ground[i].weight = is_inside ? weights_.weight((positions[i] - frame_.area.min) / size, channels) : 0.0f;
 	}
 	return {};
 }
@@ -347,7 +347,7 @@ bool Heightfield::in_area(glm::dvec2 position) const {
 /// height, in steps or in meters.
 template <typename Post, class HeightOf>
 Ground Heightfield::ground_in_area(const PostGrid<Post> &posts, const HeightOf &height_of, glm::dvec2 position) const {
-	const auto &[corner, part] = patch_at(position);
+	const auto &[corner, fraction] = patch_at(position);
 	const int column = corner.x;
 	const int row = corner.y;
 	constexpr bool may_be_missing = std::is_floating_point_v<Post>;
@@ -361,9 +361,9 @@ Ground Heightfield::ground_in_area(const PostGrid<Post> &posts, const HeightOf &
 	SmoothPatch patch;
 	if (is_inner_patch(frame_.posts, corner)) {
 		// Away from the border, the offsets of the height samples around a patch are constant.
-		patch = smooth_patch<may_be_missing>(inner_line, inner_line, part, from_first);
+		patch = smooth_patch<may_be_missing>(inner_line, inner_line, fraction, from_first);
 	} else {
-		patch = smooth_patch<may_be_missing>(frame_.posts, corner, part, from_corner);
+		patch = smooth_patch<may_be_missing>(frame_.posts, corner, fraction, from_corner);
 	}
 	const double height = base_ + patch.height * meters_per_step_;
 	if (may_be_missing && std::isnan(height)) {

@@ -141,14 +141,14 @@ public:
 private:
 	struct Grid;
 	void take(HeightPosts posts);
-	Status check_patch(const PixelRect &rect, std::size_t posts, bool fits) const;
+	Status check_patch(const PixelRect &rect, std::size_t posts, bool type_matches) const;
 	bool in_area(glm::dvec2 position) const;
 
 	/// A patch and a position in it: the first height sample, and the fraction of the way to the
 	/// last sample on each axis.
 	struct Patch {
 		glm::ivec2 first;
-		glm::dvec2 part;
+		glm::dvec2 fraction;
 	};
 	Patch patch_at(glm::dvec2 position) const;
 	void sample_posts(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const;

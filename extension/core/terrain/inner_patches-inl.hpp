@@ -31,12 +31,13 @@ HWY_INLINE PatchD post(hn::VFromD<PatchWords> row) {
 	return hn::Sub(hn::BitCast(PatchDoubles(), hn::Or(bits, hn::BitCast(PatchWords(), base))), base);
 }
 
-HWY_INLINE PatchD half_of(PatchD behind, PatchD before) {
-	return hn::Mul(hn::Sub(behind, before), hn::Set(PatchDoubles(), 0.5));
+HWY_INLINE PatchD half_of(PatchD after, PatchD before) {
+	return hn::Mul(hn::Sub(after, before), hn::Set(PatchDoubles(), 0.5));
 }
 
 /// Performs bilinear() on vectors.
-HWY_INLINE PatchD between(PatchD near_left, PatchD near_right, PatchD far_left, PatchD far_right, PatchD x, PatchD y) {
+HWY_INLINE PatchD interpolate(
+		PatchD near_left, PatchD near_right, PatchD far_left, PatchD far_right, PatchD x, PatchD y) {
 	const PatchD near = hn::Add(near_left, hn::Mul(hn::Sub(near_right, near_left), x));
 	const PatchD far = hn::Add(far_left, hn::Mul(hn::Sub(far_right, far_left), x));
 	return hn::Add(near, hn::Mul(hn::Sub(far, near), y));
@@ -50,37 +51,37 @@ HWY_INLINE void store_floats(PatchD value, float *r_to) {
 
 /// Computes whole vectors of patches. The last vector may include entries after the last patch,
 /// which contain values from earlier calls.
-void compute_patches(const InnerPatches::Heights &of, InnerPatches &r_patches) {
+void compute_patches(const InnerPatches::Heights &heights, InnerPatches &r_patches) {
 	const PatchDoubles doubles;
 	const PatchD one = hn::Set(doubles, 1.0);
-	const PatchD scale = hn::Set(doubles, of.scale);
-	for (std::size_t at = 0; at < r_patches.count; at += hn::Lanes(doubles)) {
+	const PatchD scale = hn::Set(doubles, heights.scale);
+	for (std::size_t index = 0; index < r_patches.count; index += hn::Lanes(doubles)) {
 		const auto row_of = [&](std::size_t row) {
-			return hn::Load(PatchWords(), r_patches.posts[row].data() + at);
+			return hn::Load(PatchWords(), r_patches.posts[row].data() + index);
 		};
 		const auto before = row_of(0);
 		const auto first = row_of(1);
 		const auto second = row_of(2);
-		const auto behind = row_of(3);
-		const PatchD x = hn::Load(doubles, r_patches.x.data() + at);
-		const PatchD y = hn::Load(doubles, r_patches.y.data() + at);
+		const auto after = row_of(3);
+		const PatchD x = hn::Load(doubles, r_patches.x.data() + index);
+		const PatchD y = hn::Load(doubles, r_patches.y.data() + index);
 		const PatchD a = post<1>(first);
 		const PatchD b = post<2>(first);
 		const PatchD c = post<1>(second);
 		const PatchD d = post<2>(second);
-		const PatchD rise_x = between(half_of(b, post<0>(first)), half_of(post<3>(first), a),
+		const PatchD rise_x = interpolate(half_of(b, post<0>(first)), half_of(post<3>(first), a),
 				half_of(d, post<0>(second)), half_of(post<3>(second), c), x, y);
-		const PatchD rise_y = between(half_of(c, post<1>(before)), half_of(d, post<2>(before)),
-				half_of(post<1>(behind), a), half_of(post<2>(behind), b), x, y);
-		const PatchD gradient_x = hn::Mul(hn::Mul(rise_x, scale), hn::Set(doubles, of.posts_per_meter.x));
-		const PatchD gradient_y = hn::Mul(hn::Mul(rise_y, scale), hn::Set(doubles, of.posts_per_meter.y));
+		const PatchD rise_y = interpolate(half_of(c, post<1>(before)), half_of(d, post<2>(before)),
+				half_of(post<1>(after), a), half_of(post<2>(after), b), x, y);
+		const PatchD gradient_x = hn::Mul(hn::Mul(rise_x, scale), hn::Set(doubles, heights.posts_per_meter.x));
+		const PatchD gradient_y = hn::Mul(hn::Mul(rise_y, scale), hn::Set(doubles, heights.posts_per_meter.y));
 		const PatchD squared = hn::Add(hn::Add(hn::Mul(gradient_x, gradient_x), hn::Mul(gradient_y, gradient_y)), one);
 		const PatchD to_unit = hn::Div(one, hn::Sqrt(squared));
-		const PatchD rise = hn::Mul(between(a, b, c, d, x, y), scale);
-		store_floats(hn::Add(hn::Set(doubles, of.base), rise), r_patches.height.data() + at);
-		store_floats(hn::Mul(hn::Neg(gradient_x), to_unit), r_patches.normal_x.data() + at);
-		store_floats(to_unit, r_patches.normal_y.data() + at);
-		store_floats(hn::Mul(hn::Neg(gradient_y), to_unit), r_patches.normal_z.data() + at);
+		const PatchD rise = hn::Mul(interpolate(a, b, c, d, x, y), scale);
+		store_floats(hn::Add(hn::Set(doubles, heights.base), rise), r_patches.height.data() + index);
+		store_floats(hn::Mul(hn::Neg(gradient_x), to_unit), r_patches.normal_x.data() + index);
+		store_floats(to_unit, r_patches.normal_y.data() + index);
+		store_floats(hn::Mul(hn::Neg(gradient_y), to_unit), r_patches.normal_z.data() + index);
 	}
 }
 

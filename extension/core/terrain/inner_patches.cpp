@@ -14,7 +14,7 @@ namespace thicket {
 
 HWY_EXPORT(compute_patches);
 
-void InnerPatches::compute(const Heights &of) { HWY_DYNAMIC_DISPATCH(compute_patches)(of, *this); }
+void InnerPatches::compute(const Heights &heights) { HWY_DYNAMIC_DISPATCH(compute_patches)(heights, *this); }
 
 } // namespace thicket
 #endif

@@ -25,25 +25,25 @@ struct InnerPatches {
 	};
 
 	/// Adds a position in the patch whose first height sample is at `first`. Rows are `stride`
-	/// samples apart. `part` is the fraction of the way to the patch's far corner on each axis.
-	/// `number` is for the caller's use.
-	void add(const std::uint16_t *first, std::ptrdiff_t stride, glm::dvec2 part, std::size_t number) {
+	/// samples apart. `fraction` is the fraction of the way to the patch's far corner on each axis.
+	/// `index` is for the caller's use.
+	void add(const std::uint16_t *first, std::ptrdiff_t stride, glm::dvec2 fraction, std::size_t index) {
 		const std::uint16_t *row = first - stride - 1;
 		for (std::size_t i = 0; i < rows; ++i, row += stride) {
 			std::memcpy(&posts[i][count], row, sizeof posts[i][count]);
 		}
-		x[count] = part.x;
-		y[count] = part.y;
-		numbers[count++] = number;
+		x[count] = fraction.x;
+		y[count] = fraction.y;
+		indices[count++] = index;
 	}
 
 	bool full() const { return count == capacity; }
 
 	/// Computes the ground at all added positions.
-	void compute(const Heights &of);
+	void compute(const Heights &heights);
 
 	std::size_t count = 0;
-	std::array<std::size_t, capacity> numbers{};                               ///< The `number` of each patch.
+	std::array<std::size_t, capacity> indices{};                               ///< The `index` of each patch.
 	alignas(64) std::array<std::array<std::uint64_t, capacity>, rows> posts{}; ///< Four adjacent samples in each word.
 	alignas(64) std::array<double, capacity> x{};
 	alignas(64) std::array<double, capacity> y{};

@@ -59,10 +59,10 @@ Status check(const FieldRegion &region, int side) {
 }
 
 /// Returns the height difference from a height sample to the next. If there is no next sample,
-/// returns `within`, the difference within the patch.
-double rise(double post, double next, double within) {
+/// returns `difference_in_patch`, the difference within the patch.
+double rise(double post, double next, double difference_in_patch) {
 	const double difference = next - post;
-	return std::isfinite(difference) ? difference : within;
+	return std::isfinite(difference) ? difference : difference_in_patch;
 }
 
 } // namespace
@@ -94,10 +94,10 @@ Status RegionField::set(int side, double spacing, std::vector<FieldRegion> regio
 		}
 		layout->table.assign(cells, -1);
 		for (std::size_t i = 0; i < regions.size(); ++i) {
-			const glm::ivec2 at = regions[i].location - layout->first;
+			const glm::ivec2 cell = regions[i].location - layout->first;
 			std::int32_t &entry =
-					layout->table[static_cast<std::size_t>(at.y) * static_cast<std::size_t>(layout->size.x) +
-							static_cast<std::size_t>(at.x)];
+					layout->table[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(layout->size.x) +
+							static_cast<std::size_t>(cell.x)];
 			if (entry >= 0) {
 				return {ErrorCode::out_of_range, "location of a region", static_cast<double>(regions[i].location.x), {},
 						{}, "Remove the second region at this location"};
@@ -146,8 +146,8 @@ struct RegionField::Grid {
 
 void RegionField::make_surface() {
 	surface_ = nullptr;
-	const std::size_t in_region = 2 * static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
-	if (regions().empty() || regions().size() > Surface::max_triangles / in_region) {
+	const std::size_t triangles_per_region = 2 * static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
+	if (regions().empty() || regions().size() > Surface::max_triangles / triangles_per_region) {
 		return;
 	}
 	const auto field = std::make_shared<const RegionField>(*this);
@@ -162,13 +162,13 @@ const FieldRegion *RegionField::region_at(glm::ivec2 location) const {
 	if (layout_ == nullptr) {
 		return nullptr;
 	}
-	const glm::ivec2 at = location - layout_->first;
-	if (at.x < 0 || at.y < 0 || at.x >= layout_->size.x || at.y >= layout_->size.y) {
+	const glm::ivec2 cell = location - layout_->first;
+	if (cell.x < 0 || cell.y < 0 || cell.x >= layout_->size.x || cell.y >= layout_->size.y) {
 		return nullptr;
 	}
 	const std::int32_t index =
-			layout_->table[static_cast<std::size_t>(at.y) * static_cast<std::size_t>(layout_->size.x) +
-					static_cast<std::size_t>(at.x)];
+			layout_->table[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(layout_->size.x) +
+					static_cast<std::size_t>(cell.x)];
 	return index >= 0 ? &layout_->regions[static_cast<std::size_t>(index)] : nullptr;
 }
 
@@ -188,20 +188,20 @@ RegionField::Post RegionField::post_at(glm::ivec2 post) const {
 	if (region == nullptr) {
 		return {std::numeric_limits<double>::quiet_NaN(), false};
 	}
-	const glm::ivec2 inside = post - location * side_;
-	return {height_at(region->heights, inside),
-			!region->controls.empty() && (word_at(region->controls, inside) & hole_bit) != 0};
+	const glm::ivec2 post_in_region = post - location * side_;
+	return {height_at(region->heights, post_in_region),
+			!region->controls.empty() && (word_at(region->controls, post_in_region) & hole_bit) != 0};
 }
 
 /// Reads the world heights of a patch's samples, row by row. Returns false if it has no ground.
 bool RegionField::heights_of(glm::ivec2 first, std::array<double, 4> &r_heights) const {
-	bool found = true;
-	for (int i = 0; i < 4 && found; ++i) {
+	bool has_ground = true;
+	for (int i = 0; i < 4 && has_ground; ++i) {
 		const Post post = post_at(first + glm::ivec2(i % 2, i / 2));
 		r_heights[static_cast<std::size_t>(i)] = post.height + offset_.y;
-		found = std::isfinite(post.height) && !post.hole;
+		has_ground = std::isfinite(post.height) && !post.hole;
 	}
-	return found;
+	return has_ground;
 }
 
 std::uint32_t RegionField::control_at(glm::ivec2 post) const {
@@ -225,13 +225,13 @@ Ground RegionField::ground_at(glm::dvec2 position) const {
 	if (region == nullptr) {
 		return {};
 	}
-	const glm::ivec2 inside = first - location * side_;
-	const bool within = inside.x + 2 < side_ && inside.y + 2 < side_;
+	const glm::ivec2 post_in_region = first - location * side_;
+	const bool is_single_region = post_in_region.x + 2 < side_ && post_in_region.y + 2 < side_;
 	for (std::size_t i = 0; i < posts.size(); ++i) {
-		if (within) {
+		if (is_single_region) {
 			// Most patches and their surroundings lie in a single region, which is looked up only
 			// once.
-			const glm::ivec2 post = inside + steps[i];
+			const glm::ivec2 post = post_in_region + steps[i];
 			posts[i] = {height_at(region->heights, post),
 					!region->controls.empty() && (word_at(region->controls, post) & hole_bit) != 0};
 		} else {
@@ -287,10 +287,10 @@ float RegionField::weight_at(
 		base = paint_.base;
 		overlay = paint_.overlay;
 	}
-	const auto among = [textures](std::int32_t texture) {
+	const auto is_selected = [textures](std::int32_t texture) {
 		return std::ranges::find(textures, texture) != textures.end();
 	};
-	return static_cast<float>((among(base) ? 1.0 - blend : 0.0) + (among(overlay) ? blend : 0.0));
+	return static_cast<float>((is_selected(base) ? 1.0 - blend : 0.0) + (is_selected(overlay) ? blend : 0.0));
 }
 
 Status RegionField::weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
