@@ -41,11 +41,11 @@ Status check_area(const DiffLimits &limits, const Rect &changed) {
 		return {};
 	}
 	const Rect &area = limits.area;
-	const bool beside = changed.max.x < area.min.x || changed.min.x > area.max.x;
+	const bool is_beside = changed.max.x < area.min.x || changed.min.x > area.max.x;
 	const glm::dvec2 center = changed.center();
 	constexpr const char *note = "area of diff_limits";
-	return beside ? not_allowed("x", center.x, between(area.min.x, area.max.x, note))
-				  : not_allowed("z", center.y, between(area.min.y, area.max.y, note));
+	return is_beside ? not_allowed("x", center.x, between(area.min.x, area.max.x, note))
+					 : not_allowed("z", center.y, between(area.min.y, area.max.y, note));
 }
 
 Status unknown_cells(std::uint16_t layer) {

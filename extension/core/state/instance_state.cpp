@@ -113,8 +113,8 @@ Status InstanceState::added_in(std::uint16_t layer, const Rect &rect, std::vecto
 }
 
 double InstanceState::max_added_scale(std::uint16_t layer) const {
-	const auto own = content_->layers.find(layer);
-	return own != content_->layers.end() ? own->second.max_scale : 0.0;
+	const auto layer_entry = content_->layers.find(layer);
+	return layer_entry != content_->layers.end() ? layer_entry->second.max_scale : 0.0;
 }
 
 std::vector<std::uint64_t> InstanceState::removed_ids(int layer) const {
@@ -128,8 +128,8 @@ std::size_t InstanceState::added_count() const { return content_->added.size(); 
 std::size_t InstanceState::data_count() const { return content_->data.size(); }
 
 bool InstanceState::any_removed(std::uint16_t layer) const {
-	const auto own = content_->layers.find(layer);
-	return own != content_->layers.end() && own->second.removed > 0;
+	const auto layer_entry = content_->layers.find(layer);
+	return layer_entry != content_->layers.end() && layer_entry->second.removed > 0;
 }
 
 std::uint64_t InstanceState::revision() const { return content_->revision; }
@@ -145,18 +145,18 @@ Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp, double cel
 	if (const Status status = guarded("layer", layer, [&] { content_->layers.try_emplace(layer); }); !status.ok()) {
 		return status;
 	}
-	Content::Layer &own = content_->layers[layer];
-	if (own.is_foreign(stamp)) {
+	Content::Layer &layer_entry = content_->layers[layer];
+	if (layer_entry.is_foreign(stamp)) {
 		return {ErrorCode::foreign, "layer", static_cast<double>(layer)};
 	}
 	const auto step = [&] {
 		return StateStep{.kind = Kind::claim, .id = layer, .to = stamp, .number = cell_side, .count = cells_together};
 	};
 	return Journal::noting(journal_.get(), "layer", layer, step, [&] {
-		own.stamp = stamp;
-		own.claimed = true;
-		own.cell_side = cell_side;
-		own.cells_together = cells_together;
+		layer_entry.stamp = stamp;
+		layer_entry.claimed = true;
+		layer_entry.cell_side = cell_side;
+		layer_entry.cells_together = cells_together;
 		return Status();
 	});
 }
@@ -176,28 +176,28 @@ void InstanceState::release_claims() {
 }
 
 std::uint64_t InstanceState::stamp(std::uint16_t layer) const {
-	const auto own = content_->layers.find(layer);
-	return own != content_->layers.end() ? own->second.stamp : 0;
+	const auto layer_entry = content_->layers.find(layer);
+	return layer_entry != content_->layers.end() ? layer_entry->second.stamp : 0;
 }
 
 bool InstanceState::is_foreign(std::uint16_t layer, std::uint64_t stamp) const {
-	const auto own = content_->layers.find(layer);
-	return own != content_->layers.end() && own->second.is_foreign(stamp);
+	const auto layer_entry = content_->layers.find(layer);
+	return layer_entry != content_->layers.end() && layer_entry->second.is_foreign(stamp);
 }
 
 StateChange InstanceState::remove(std::uint64_t id, double until) {
-	Content::Entry to;
+	Content::Entry target;
 	if (!is_added(id)) {
-		to = content_->entry(id);
-		to.removed = true;
-		to.until = until > 0.0 && until <= max_state_time ? until : 0.0;
+		target = content_->entry(id);
+		target.removed = true;
+		target.until = until > 0.0 && until <= max_state_time ? until : 0.0;
 	}
 	const auto step = [&] {
 		return StateStep{.kind = Kind::remove, .id = id, .number = until};
 	};
 	StateChange change;
 	change.status = Journal::noting(journal_.get(), "id", static_cast<double>(id), step, [&] {
-		change = content_->change_one(id, to, "id", static_cast<double>(id));
+		change = content_->change_one(id, target, "id", static_cast<double>(id));
 		return change.status;
 	});
 	return change;
@@ -210,9 +210,9 @@ StateChange InstanceState::restore(std::uint64_t id) {
 	StateChange change;
 	change.status = Journal::noting(journal_.get(), "id", static_cast<double>(id), step, [&] {
 		if (removed(id)) {
-			Content::Entry to = content_->entry(id);
-			to.removed = false;
-			change = content_->change_one(id, to, "id", static_cast<double>(id));
+			Content::Entry target = content_->entry(id);
+			target.removed = false;
+			change = content_->change_one(id, target, "id", static_cast<double>(id));
 		}
 		return change.status;
 	});
@@ -228,7 +228,8 @@ Status InstanceState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 		return status;
 	}
 	const AddedInstance placed = without_signed_zeros(instance);
-	const std::uint64_t id = id_for(placed, [this](std::uint64_t any) { return content_->added.contains(any); });
+	const std::uint64_t id =
+			id_for(placed, [this](std::uint64_t candidate) { return content_->added.contains(candidate); });
 	const auto step = [&] {
 		return step_of(id, placed);
 	};
@@ -242,30 +243,31 @@ Status InstanceState::add_all(std::span<const AddedInstance> instances, std::vec
 		std::vector<InstanceChange> &r_changes) {
 	r_ids.clear();
 	return guarded("instances", static_cast<double>(instances.size()), [&]() -> Status {
-		std::vector<AddedInstance> placed;
+		std::vector<AddedInstance> normalized;
 		IdTable<bool> new_ids;
-		placed.reserve(instances.size());
+		normalized.reserve(instances.size());
 		new_ids.expect(instances.size());
 		r_ids.reserve(instances.size());
 		for (const AddedInstance &instance : instances) {
 			if (const Status status = validate(instance); !status.ok()) {
 				return status;
 			}
-			placed.push_back(without_signed_zeros(instance));
-			r_ids.push_back(id_for(placed.back(),
-					[&](std::uint64_t any) { return content_->added.contains(any) || new_ids.contains(any); }));
+			normalized.push_back(without_signed_zeros(instance));
+			r_ids.push_back(id_for(normalized.back(), [&](std::uint64_t candidate) {
+				return content_->added.contains(candidate) || new_ids.contains(candidate);
+			}));
 			new_ids.insert(r_ids.back());
 		}
 		Journal::Noting noting(journal_.get());
-		for (std::size_t at = 0; at < placed.size(); ++at) {
-			noting.record([&] { return step_of(r_ids[at], placed[at]); });
+		for (std::size_t index = 0; index < normalized.size(); ++index) {
+			noting.record([&] { return step_of(r_ids[index], normalized[index]); });
 		}
-		const auto each = [&](const auto &use) {
-			for (std::size_t at = 0; at < placed.size(); ++at) {
-				use(r_ids[at], Content::Entry{.instance = &placed[at], .placed_at = content_->time});
+		const auto visit_entries = [&](const auto &use) {
+			for (std::size_t index = 0; index < normalized.size(); ++index) {
+				use(r_ids[index], Content::Entry{.instance = &normalized[index], .placed_at = content_->time});
 			}
 		};
-		content_->change_all(each, r_changes);
+		content_->change_all(visit_entries, r_changes);
 		noting.keep_if(true);
 		return {};
 	});
@@ -281,74 +283,75 @@ Status InstanceState::move(
 		return Status::missing("id", "Use the id of an instance, which is never 0");
 	}
 	const AddedInstance placed = without_signed_zeros(instance);
-	const std::uint64_t to =
-			by_hand ? id : id_for(placed, [this](std::uint64_t any) { return content_->added.contains(any); });
+	const std::uint64_t new_id = by_hand
+			? id
+			: id_for(placed, [this](std::uint64_t candidate) { return content_->added.contains(candidate); });
 	Journal::Noting noting(journal_.get());
 	const Status status = guarded("instance", 1.0, [&] {
 		noting.record([&] {
 			StateStep step = step_of(id, placed);
 			step.kind = Kind::move;
-			step.to = to;
+			step.to = new_id;
 			return step;
 		});
-		put_for(id, to, placed, r_changes);
+		put_for(id, new_id, placed, r_changes);
 	});
 	noting.keep_if(status.ok());
-	r_id = status.ok() ? to : r_id;
+	r_id = status.ok() ? new_id : r_id;
 	return status;
 }
 
-/// Places an instance as `to`, with the data of `id`. `id` is either `to` or the point of the set
+/// Places an instance as `new_id`, with the data of `id`. `id` is either `new_id` or the point of the set
 /// that the instance replaces.
 void InstanceState::put_for(
-		std::uint64_t id, std::uint64_t to, const AddedInstance &instance, std::vector<InstanceChange> &r_changes) {
-	const auto each = [&](const auto &use) {
-		Content::Entry entry = content_->placed_as(to, instance);
-		if (to != id) {
-			const Content::Entry own = content_->entry(id);
-			entry.data = own.data;
-			entry.data_at = own.data_at;
+		std::uint64_t id, std::uint64_t new_id, const AddedInstance &instance, std::vector<InstanceChange> &r_changes) {
+	const auto visit_entries = [&](const auto &use) {
+		Content::Entry entry = content_->placed_as(new_id, instance);
+		if (new_id != id) {
+			const Content::Entry previous = content_->entry(id);
+			entry.data = previous.data;
+			entry.data_at = previous.data_at;
 		}
-		use(to, entry);
-		if (to != id) {
+		use(new_id, entry);
+		if (new_id != id) {
 			use(id, Content::Entry{.removed = true});
 		}
 	};
-	content_->change_all(each, r_changes);
+	content_->change_all(visit_entries, r_changes);
 }
 
 Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> bytes) {
 	if (bytes.size() > max_instance_data) {
 		return Status::wrong_size("data", bytes.size(), at_most(max_instance_data, "bytes per instance"));
 	}
-	Content::Entry to = content_->entry(id);
-	if (is_added(id) && to.instance == nullptr) {
+	Content::Entry target = content_->entry(id);
+	if (is_added(id) && target.instance == nullptr) {
 		return Status::missing("id", "Use the id of an instance, which is never 0");
 	}
-	if (!std::ranges::equal(to.data, bytes)) {
-		to.data_at = content_->time_of_write(to.data.empty() ? -1.0 : to.data_at);
+	if (!std::ranges::equal(target.data, bytes)) {
+		target.data_at = content_->time_of_write(target.data.empty() ? -1.0 : target.data_at);
 	}
-	to.data = bytes;
+	target.data = bytes;
 	const auto step = [&] {
 		return StateStep{.kind = Kind::set_data, .id = id, .data = {bytes.begin(), bytes.end()}};
 	};
 	const auto size = static_cast<double>(bytes.size());
 	return Journal::noting(
-			journal_.get(), "data", size, step, [&] { return content_->change_one(id, to, "data", size).status; });
+			journal_.get(), "data", size, step, [&] { return content_->change_one(id, target, "data", size).status; });
 }
 
 Status InstanceState::advance(double seconds, std::vector<InstanceChange> &r_changes) {
 	if (!(seconds > 0.0)) {
 		return {};
 	}
-	const double to = std::min(content_->time + seconds, max_state_time);
+	const double end_time = std::min(content_->time + seconds, max_state_time);
 	Journal::Noting noting(journal_.get());
 	const Status status = guarded("seconds", seconds, [&] {
 		noting.record([&] { return StateStep{.kind = Kind::advance, .number = seconds}; });
 		if (StateStep *step = noting.last()) {
-			content_->for_each_due(to, [step](std::uint64_t id) { step->restored.push_back(id); });
+			content_->for_each_due(end_time, [step](std::uint64_t id) { step->restored.push_back(id); });
 		}
-		content_->move_clock(to, r_changes);
+		content_->move_clock(end_time, r_changes);
 	});
 	noting.keep_if(status.ok());
 	return status;

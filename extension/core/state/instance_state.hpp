@@ -330,8 +330,8 @@ private:
 	void discard_first(PendingDiff &diff);
 	Status repeat(const StateStep &step, std::vector<InstanceChange> &r_changes);
 	StateChange put(std::uint64_t id, const AddedInstance &instance);
-	void put_for(
-			std::uint64_t id, std::uint64_t to, const AddedInstance &instance, std::vector<InstanceChange> &r_changes);
+	void put_for(std::uint64_t id, std::uint64_t new_id, const AddedInstance &instance,
+			std::vector<InstanceChange> &r_changes);
 
 	std::unique_ptr<Content> content_;
 	std::unique_ptr<Journal> journal_; ///< Null if no diff is pending.

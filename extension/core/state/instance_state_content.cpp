@@ -34,9 +34,9 @@ StateRecord::Entry InstanceState::Content::entry(std::uint64_t id) const {
 		entry.instance = &placed->instance;
 		entry.placed_at = placed->at;
 	}
-	if (const Data *own = data.value(id).get()) {
-		entry.data = own->bytes;
-		entry.data_at = own->at;
+	if (const Data *stored = data.value(id).get()) {
+		entry.data = stored->bytes;
+		entry.data_at = stored->at;
 	}
 	return entry;
 }
@@ -47,26 +47,27 @@ const AddedInstance *InstanceState::Content::instance_of(std::uint64_t id) const
 }
 
 StateRecord::Entry InstanceState::Content::placed_as(std::uint64_t id, const AddedInstance &instance) const {
-	Entry to = entry(id);
-	const bool same = to.instance != nullptr && *to.instance == instance;
-	to.placed_at = same ? to.placed_at : time_of_write(to.instance != nullptr ? to.placed_at : -1.0);
-	to.instance = &instance;
-	return to;
+	Entry target = entry(id);
+	const bool is_same = target.instance != nullptr && *target.instance == instance;
+	target.placed_at = is_same ? target.placed_at : time_of_write(target.instance != nullptr ? target.placed_at : -1.0);
+	target.instance = &instance;
+	return target;
 }
 
-double InstanceState::Content::time_of_write(double former) const {
+double InstanceState::Content::time_of_write(double previous_time) const {
 	// About a microsecond, in seconds. The number is a power of two, so that sums are exact.
 	constexpr double step = 0x1p-20;
-	if (time > former) {
+	if (time > previous_time) {
 		return time;
 	}
-	const double later = former + step > former ? former + step : std::nextafter(former, 2.0 * max_state_time);
-	return std::min(later, max_state_time);
+	const double next_time = previous_time + step > previous_time ? previous_time + step
+																  : std::nextafter(previous_time, 2.0 * max_state_time);
+	return std::min(next_time, max_state_time);
 }
 
 std::span<const std::uint8_t> InstanceState::Content::bytes_of(std::uint64_t id) const {
-	const Data *own = data.value(id).get();
-	return own != nullptr ? std::span<const std::uint8_t>(own->bytes) : std::span<const std::uint8_t>();
+	const Data *stored = data.value(id).get();
+	return stored != nullptr ? std::span<const std::uint8_t>(stored->bytes) : std::span<const std::uint8_t>();
 }
 
 std::unique_ptr<InstanceState::Content> InstanceState::Content::share() {
@@ -88,8 +89,9 @@ void InstanceState::Content::complete() {
 	if (is_completed) {
 		return;
 	}
-	added.for_each(
-			[this](std::uint64_t id, const SharedInstance &own) { grid.insert(id, square_position(own->instance)); });
+	added.for_each([this](std::uint64_t id, const SharedInstance &stored) {
+		grid.insert(id, square_position(stored->instance));
+	});
 	due.reserve(removed.valued());
 	gather_due();
 	is_completed = true;
@@ -115,13 +117,14 @@ void InstanceState::Content::take_history(
 	}
 }
 
-StateChange InstanceState::Content::change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value) {
+StateChange InstanceState::Content::change_one(
+		std::uint64_t id, const Entry &target, const char *asked_for, double value) {
 	std::vector<InstanceChange> changes;
 	const Status status = guarded(asked_for, value, [&] {
 		ReservedMemory reserved;
-		plan(id, to, reserved);
+		plan(id, target, reserved);
 		reserve(reserved, changes);
-		change(id, to, reserved, changes);
+		change(id, target, reserved, changes);
 		shrink();
 	});
 	return {status, !changes.empty()};
@@ -135,43 +138,44 @@ void InstanceState::Content::shrink() noexcept {
 
 /// Allocates the memory that `change` needs for one ID, except for the memory that `reserve`
 /// allocates for the whole batch.
-void InstanceState::Content::plan(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved) {
+void InstanceState::Content::plan(std::uint64_t id, const Entry &target, ReservedMemory &r_reserved) {
 	bool data_stay = true;
 	if (is_added(id)) {
-		data_stay = plan_added(id, to, r_reserved);
+		data_stay = plan_added(id, target, r_reserved);
 	} else {
-		plan_removed(id, to, r_reserved);
+		plan_removed(id, target, r_reserved);
 	}
-	const Data *own = data.value(id).get();
-	const bool holds = own != nullptr;
-	const bool was = data_stay && holds;
-	const bool same = was ? std::ranges::equal(own->bytes, to.data) : to.data.empty();
-	const bool later = same && was && own->at != to.data_at;
-	if (same && was == holds && !later) {
+	const Data *stored = data.value(id).get();
+	const bool has_data = stored != nullptr;
+	const bool existed = data_stay && has_data;
+	const bool is_same = existed ? std::ranges::equal(stored->bytes, target.data) : target.data.empty();
+	const bool later = is_same && existed && stored->at != target.data_at;
+	if (is_same && existed == has_data && !later) {
 		// Unchanged data needs no memory.
 		return;
 	}
-	data.reserve_for(id, !holds && !to.data.empty(), !to.data.empty(),
+	data.reserve_for(id, !has_data && !target.data.empty(), !target.data.empty(),
 			r_reserved.new_ids != nullptr ? &r_reserved.new_ids->data : nullptr);
-	if (same && !later) {
+	if (is_same && !later) {
 		return;
 	}
 	r_reserved.changes += later ? 0 : 1;
 	layers.try_emplace(layer_of(id));
-	if (!to.data.empty()) {
+	if (!target.data.empty()) {
 		r_reserved.data.emplace(
-				id, std::make_shared<const Data>(Data{Bytes(to.data.begin(), to.data.end()), to.data_at}));
+				id, std::make_shared<const Data>(Data{Bytes(target.data.begin(), target.data.end()), target.data_at}));
 	}
 }
 
-void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved) {
-	const bool was = removed.contains(id);
-	const bool timed = to.removed && to.until > 0.0;
+void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &target, ReservedMemory &r_reserved) {
+	const bool existed = removed.contains(id);
+	const bool timed = target.removed && target.until > 0.0;
 	r_reserved.due += timed ? 1 : 0;
-	if (was != to.removed || (was && removed.value(id) != to.until)) {
-		removed.reserve_for(id, !was, timed, r_reserved.new_ids != nullptr ? &r_reserved.new_ids->removed : nullptr);
+	if (existed != target.removed || (existed && removed.value(id) != target.until)) {
+		removed.reserve_for(
+				id, !existed, timed, r_reserved.new_ids != nullptr ? &r_reserved.new_ids->removed : nullptr);
 	}
-	if (was != to.removed) {
+	if (existed != target.removed) {
 		++r_reserved.changes;
 		layers.try_emplace(layer_of(id));
 	}
@@ -179,27 +183,28 @@ void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &to, Res
 
 /// Returns false if the current instance will be deleted along with its data. A moved instance
 /// keeps its data.
-bool InstanceState::Content::plan_added(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved) {
-	const Placed *own = added.value(id).get();
-	const bool was = own != nullptr;
-	const bool same = was ? to.instance != nullptr && *to.instance == own->instance : to.instance == nullptr;
-	if (same && (!was || own->at == to.placed_at)) {
+bool InstanceState::Content::plan_added(std::uint64_t id, const Entry &target, ReservedMemory &r_reserved) {
+	const Placed *stored = added.value(id).get();
+	const bool existed = stored != nullptr;
+	const bool is_same =
+			existed ? target.instance != nullptr && *target.instance == stored->instance : target.instance == nullptr;
+	if (is_same && (!existed || stored->at == target.placed_at)) {
 		return true;
 	}
-	added.reserve_for(id, !was, true, r_reserved.new_ids != nullptr ? &r_reserved.new_ids->added : nullptr);
-	if (to.instance != nullptr) {
-		r_reserved.added.emplace(id, std::make_shared<const Placed>(Placed{*to.instance, to.placed_at}));
+	added.reserve_for(id, !existed, true, r_reserved.new_ids != nullptr ? &r_reserved.new_ids->added : nullptr);
+	if (target.instance != nullptr) {
+		r_reserved.added.emplace(id, std::make_shared<const Placed>(Placed{*target.instance, target.placed_at}));
 	}
-	if (same) {
+	if (is_same) {
 		return true;
 	}
-	r_reserved.changes += was ? 1 : 0;
-	if (to.instance != nullptr) {
+	r_reserved.changes += existed ? 1 : 0;
+	if (target.instance != nullptr) {
 		++r_reserved.changes;
-		layers.try_emplace(to.instance->layer);
-		r_reserved.grid.insert(id, square_position(*to.instance));
+		layers.try_emplace(target.instance->layer);
+		r_reserved.grid.insert(id, square_position(*target.instance));
 	}
-	return !was || to.instance != nullptr;
+	return !existed || target.instance != nullptr;
 }
 
 void InstanceState::Content::reserve(const ReservedMemory &reserved, std::vector<InstanceChange> &r_changes) {
@@ -207,53 +212,54 @@ void InstanceState::Content::reserve(const ReservedMemory &reserved, std::vector
 	reserve_more(r_changes, reserved.changes);
 }
 
-void InstanceState::Content::change(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved,
+void InstanceState::Content::change(std::uint64_t id, const Entry &target, ReservedMemory &r_reserved,
 		std::vector<InstanceChange> &r_changes) noexcept {
 	if (is_added(id)) {
-		change_added(id, to, r_reserved, r_changes);
+		change_added(id, target, r_reserved, r_changes);
 	} else {
-		change_removed(id, to, r_changes);
+		change_removed(id, target, r_changes);
 	}
-	change_data(id, to, r_reserved, r_changes);
+	change_data(id, target, r_reserved, r_changes);
 }
 
-void InstanceState::Content::change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes) {
-	const bool was = removed.contains(id);
-	if (to.removed && (!was || removed.value(id) != to.until)) {
-		removed.insert(id, to.until);
-		plan_return(id, to.until);
+void InstanceState::Content::change_removed(
+		std::uint64_t id, const Entry &target, std::vector<InstanceChange> &r_changes) {
+	const bool existed = removed.contains(id);
+	if (target.removed && (!existed || removed.value(id) != target.until)) {
+		removed.insert(id, target.until);
+		plan_return(id, target.until);
 		record(id);
-	} else if (!to.removed && was) {
+	} else if (!target.removed && existed) {
 		removed.erase(id);
 		record(id);
 	}
-	if (was == to.removed) {
+	if (existed == target.removed) {
 		return;
 	}
 	Layer &layer = layers[layer_of(id)];
-	layer.removed += to.removed ? 1 : -std::size_t{1};
-	r_changes.push_back({id, to.removed ? InstanceChangeKind::removed : InstanceChangeKind::restored, {}});
+	layer.removed += target.removed ? 1 : -std::size_t{1};
+	r_changes.push_back({id, target.removed ? InstanceChangeKind::removed : InstanceChangeKind::restored, {}});
 }
 
 void InstanceState::Content::change_added(
 		std::uint64_t id, const Entry &entry, ReservedMemory &r_reserved, std::vector<InstanceChange> &r_changes) {
-	const AddedInstance *to = entry.instance;
-	const Placed *own = added.value(id).get();
-	const bool was = own != nullptr;
-	if (was ? to != nullptr && *to == own->instance : to == nullptr) {
-		if (was && own->at != entry.placed_at) {
+	const AddedInstance *target = entry.instance;
+	const Placed *stored = added.value(id).get();
+	const bool existed = stored != nullptr;
+	if (existed ? target != nullptr && *target == stored->instance : target == nullptr) {
+		if (existed && stored->at != entry.placed_at) {
 			added.insert(id, std::move(r_reserved.added.find(id)->second));
 			record(id);
 		}
 		return;
 	}
-	const bool moves = was && to != nullptr;
-	if (was) {
+	const bool moves = existed && target != nullptr;
+	if (existed) {
 		r_changes.push_back({id, moves ? InstanceChangeKind::left : InstanceChangeKind::removed, take_away(id)});
 	}
-	if (to != nullptr) {
+	if (target != nullptr) {
 		place(id, r_reserved);
-		r_changes.push_back({id, moves ? InstanceChangeKind::moved : InstanceChangeKind::added, *to});
+		r_changes.push_back({id, moves ? InstanceChangeKind::moved : InstanceChangeKind::added, *target});
 	} else {
 		data.erase(id);
 	}
@@ -282,20 +288,20 @@ AddedInstance InstanceState::Content::take_away(std::uint64_t id) {
 
 void InstanceState::Content::change_data(
 		std::uint64_t id, const Entry &entry, ReservedMemory &r_reserved, std::vector<InstanceChange> &r_changes) {
-	const std::span<const std::uint8_t> to = entry.data;
-	const Data *own = data.value(id).get();
-	const bool was = own != nullptr;
-	if (was ? std::ranges::equal(own->bytes, to) : to.empty()) {
-		if (was && own->at != entry.data_at) {
+	const std::span<const std::uint8_t> target = entry.data;
+	const Data *stored = data.value(id).get();
+	const bool existed = stored != nullptr;
+	if (existed ? std::ranges::equal(stored->bytes, target) : target.empty()) {
+		if (existed && stored->at != entry.data_at) {
 			data.insert(id, std::move(r_reserved.data.find(id)->second));
 			record(id);
 		}
 		return;
 	}
 	if (!is_added(id)) {
-		layers[layer_of(id)].with_data += to.empty() ? -std::size_t{1} : std::size_t{was ? 0U : 1U};
+		layers[layer_of(id)].with_data += target.empty() ? -std::size_t{1} : std::size_t{existed ? 0U : 1U};
 	}
-	if (to.empty()) {
+	if (target.empty()) {
 		data.erase(id);
 	} else {
 		data.insert(id, std::move(r_reserved.data.find(id)->second));
@@ -335,15 +341,15 @@ void InstanceState::Content::gather_due() {
 	std::ranges::make_heap(due, std::greater<>());
 }
 
-void InstanceState::Content::move_clock(double to, std::vector<InstanceChange> &r_changes) {
+void InstanceState::Content::move_clock(double new_time, std::vector<InstanceChange> &r_changes) {
 	ReservedMemory nothing;
 	std::size_t max_count = 0;
-	for_each_due(to, [&](std::uint64_t id) {
+	for_each_due(new_time, [&](std::uint64_t id) {
 		removed.reserve_for(id, false, false, nullptr);
 		++max_count;
 	});
 	reserve_more(r_changes, max_count);
-	time = to;
+	time = new_time;
 	while (!due.empty() && due.front().time <= time) {
 		const Due first = due.front();
 		std::ranges::pop_heap(due, std::greater<>());

@@ -37,7 +37,7 @@ struct InstanceState::Content {
 
 		bool has_points() const { return removed + with_data > 0; }
 		bool has_entries() const { return has_points() || added > 0; }
-		bool is_foreign(std::uint64_t to) const { return has_points() && stamp != 0 && stamp != to; }
+		bool is_foreign(std::uint64_t new_stamp) const { return has_points() && stamp != 0 && stamp != new_stamp; }
 	};
 
 	/// A removed point that will grow again, and the clock time of its regrowth.
@@ -134,19 +134,19 @@ struct InstanceState::Content {
 	/// for every ID. `each` is called twice: first to determine the memory needed, then to make the
 	/// changes. The second call must not allocate memory.
 	template <typename Each>
-	void change_all(const Each &each, std::vector<InstanceChange> &r_changes) {
+	void change_all(const Each &visit_entries, std::vector<InstanceChange> &r_changes) {
 		NewIds new_ids;
 		ReservedMemory reserved;
 		reserved.new_ids = &new_ids;
-		each([&](std::uint64_t id, const Entry &to) {
+		visit_entries([&](std::uint64_t id, const Entry &target) {
 			if (!is_cancelled(cancel)) {
-				plan(id, to, reserved);
+				plan(id, target, reserved);
 			}
 		});
 		reserve(reserved, r_changes);
-		each([&](std::uint64_t id, const Entry &to) {
+		visit_entries([&](std::uint64_t id, const Entry &target) {
 			if (!is_cancelled(cancel)) {
-				change(id, to, reserved, r_changes);
+				change(id, target, reserved, r_changes);
 			}
 		});
 		shrink();
@@ -154,7 +154,7 @@ struct InstanceState::Content {
 
 	/// Sets a single ID to an entry. `asked_for` and `value` are the name and the size that an
 	/// out-of-memory error reports.
-	StateChange change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value);
+	StateChange change_one(std::uint64_t id, const Entry &target, const char *asked_for, double value);
 
 	/// Calls `use(id)` for the entries of `due` up to the time `until`, in the subtree of the heap
 	/// at index `at`. The search stops at later entries, because a child is never earlier than its
@@ -170,7 +170,7 @@ struct InstanceState::Content {
 
 	/// Moves the clock to a later time and restores the points due by then. If memory runs out,
 	/// throws std::bad_alloc and leaves the content unchanged.
-	void move_clock(double to, std::vector<InstanceChange> &r_changes);
+	void move_clock(double new_time, std::vector<InstanceChange> &r_changes);
 
 	/// Returns an error that names `layer` for a record whose points have a different stamp than
 	/// this state's layer. The claimed layers are checked and, unless everything is `replaced`, the
@@ -197,7 +197,7 @@ struct InstanceState::Content {
 	/// Returns an error for changes from a record that exceed the limits for positions or for the
 	/// amount of content after the changes. `each` is as in change_all.
 	template <typename Each>
-	Status check_changes(const StateRecord &record, const Each &each, const DiffLimits &limits) const {
+	Status check_changes(const StateRecord &record, const Each &visit_entries, const DiffLimits &limits) const {
 		if (limits.area.empty() && size() + record.size() + record.with_data.size() <= limits.max_total_changes &&
 				added.size() + record.added.size() <= limits.max_added) {
 			// Even if the complete record is new, it stays within the limits.
@@ -206,14 +206,14 @@ struct InstanceState::Content {
 		std::size_t held = size();
 		std::size_t placed = added.size();
 		Status status;
-		each([&](std::uint64_t id, const Entry &to) {
+		visit_entries([&](std::uint64_t id, const Entry &target) {
 			const bool was_placed = added.contains(id);
-			const bool is_placed = to.instance != nullptr;
-			held += std::size_t{to.removed} + std::size_t{is_placed} + std::size_t{!to.data.empty()};
+			const bool is_placed = target.instance != nullptr;
+			held += std::size_t{target.removed} + std::size_t{is_placed} + std::size_t{!target.data.empty()};
 			held -= std::size_t{removed.contains(id)} + std::size_t{was_placed} + std::size_t{data.contains(id)};
 			placed += std::size_t{is_placed} - std::size_t{was_placed};
 			if (status.ok() && !limits.area.empty()) {
-				status = check_place(id, to, limits);
+				status = check_place(id, target, limits);
 			}
 		});
 		return status.ok() ? check_held(held, placed, limits) : status;
@@ -233,22 +233,22 @@ struct InstanceState::Content {
 
 private:
 	Entry joined(std::uint64_t id, const Entry &theirs, double clock) const;
-	Status check_place(std::uint64_t id, const Entry &to, const DiffLimits &limits) const;
+	Status check_place(std::uint64_t id, const Entry &target, const DiffLimits &limits) const;
 	Status check_held(std::size_t held, std::size_t placed, const DiffLimits &limits) const;
 	void shrink() noexcept;
-	void plan(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved);
-	void plan_removed(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved);
-	bool plan_added(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved);
+	void plan(std::uint64_t id, const Entry &target, ReservedMemory &r_reserved);
+	void plan_removed(std::uint64_t id, const Entry &target, ReservedMemory &r_reserved);
+	bool plan_added(std::uint64_t id, const Entry &target, ReservedMemory &r_reserved);
 	void reserve(const ReservedMemory &reserved, std::vector<InstanceChange> &r_changes);
 
 	// Call the functions below only after all memory has been allocated.
-	void change(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved,
+	void change(std::uint64_t id, const Entry &target, ReservedMemory &r_reserved,
 			std::vector<InstanceChange> &r_changes) noexcept;
-	void change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes);
+	void change_removed(std::uint64_t id, const Entry &target, std::vector<InstanceChange> &r_changes);
 	void change_added(
-			std::uint64_t id, const Entry &to, ReservedMemory &r_reserved, std::vector<InstanceChange> &r_changes);
+			std::uint64_t id, const Entry &target, ReservedMemory &r_reserved, std::vector<InstanceChange> &r_changes);
 	void change_data(
-			std::uint64_t id, const Entry &to, ReservedMemory &r_reserved, std::vector<InstanceChange> &r_changes);
+			std::uint64_t id, const Entry &target, ReservedMemory &r_reserved, std::vector<InstanceChange> &r_changes);
 	void place(std::uint64_t id, ReservedMemory &r_reserved);
 	AddedInstance take_away(std::uint64_t id);
 	void plan_return(std::uint64_t id, double until);

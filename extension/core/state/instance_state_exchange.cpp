@@ -111,11 +111,11 @@ std::uint64_t InstanceState::digest() const {
 
 Status InstanceState::Content::check_stamps(const StateRecord &record, bool replaced) const {
 	for (const auto &[number, stamp] : record.stamps) {
-		const auto own = layers.find(number);
-		if (own == layers.end()) {
+		const auto layer_entry = layers.find(number);
+		if (layer_entry == layers.end()) {
 			continue;
 		}
-		const Layer &layer = own->second;
+		const Layer &layer = layer_entry->second;
 		const bool counts = record.has_points(number) && (layer.claimed || (!replaced && layer.has_points()));
 		if (counts && stamp != 0 && layer.stamp != 0 && layer.stamp != stamp) {
 			return {ErrorCode::foreign, "layer", static_cast<double>(number)};
@@ -157,23 +157,23 @@ std::vector<std::uint64_t> InstanceState::Content::all_ids() const {
 
 void InstanceState::Content::add_to(StateRecord &r_record, std::uint64_t code) const {
 	const std::uint64_t id = id_of(code);
-	const Entry now = entry(id);
-	if (now.removed) {
-		if (now.until > 0.0) {
-			r_record.until.emplace_back(r_record.removed.size(), now.until);
+	const Entry current = entry(id);
+	if (current.removed) {
+		if (current.until > 0.0) {
+			r_record.until.emplace_back(r_record.removed.size(), current.until);
 		}
 		r_record.removed.push_back(code);
-	} else if (now.instance != nullptr) {
+	} else if (current.instance != nullptr) {
 		r_record.added.push_back(code);
-		r_record.instances.push_back(*now.instance);
-		r_record.placed_at.push_back(now.placed_at);
+		r_record.instances.push_back(*current.instance);
+		r_record.placed_at.push_back(current.placed_at);
 	} else {
 		(is_added(id) ? r_record.removed_placed : r_record.present).push_back(code);
 	}
-	if (!now.data.empty()) {
+	if (!current.data.empty()) {
 		r_record.with_data.push_back(code);
-		r_record.data.emplace_back(now.data.begin(), now.data.end());
-		r_record.data_at.push_back(now.data_at);
+		r_record.data.emplace_back(current.data.begin(), current.data.end());
+		r_record.data_at.push_back(current.data_at);
 	}
 }
 
@@ -190,8 +190,8 @@ StateRecord InstanceState::Content::record_of(std::vector<std::uint64_t> ids, bo
 	}
 	record.stamps = record.layers();
 	for (auto &[number, stamp] : record.stamps) {
-		if (const auto own = layers.find(number); own != layers.end()) {
-			stamp = own->second.stamp;
+		if (const auto layer_entry = layers.find(number); layer_entry != layers.end()) {
+			stamp = layer_entry->second.stamp;
 		}
 	}
 	return record;
@@ -204,13 +204,13 @@ Status InstanceState::Content::follow(
 		unnamed = all_ids();
 		std::erase_if(unnamed, [&record](std::uint64_t id) { return record.contains(id); });
 	}
-	const auto each = [&](const auto &use) {
+	const auto visit_entries = [&](const auto &use) {
 		for (const std::uint64_t id : unnamed) {
 			use(id, Entry{});
 		}
 		record.for_each(use);
 	};
-	if (const Status status = check_changes(record, each, limits); !status.ok()) {
+	if (const Status status = check_changes(record, visit_entries, limits); !status.ok()) {
 		return status;
 	}
 	reserve_stamps(record);
@@ -218,7 +218,7 @@ Status InstanceState::Content::follow(
 		// Grows the table only once, not several times while IDs are inserted.
 		removed.expect(record.removed.size() - removed.size());
 	}
-	change_all(each, r_changes);
+	change_all(visit_entries, r_changes);
 	for (auto &[number, layer] : layers) {
 		layer.stamp = !record.is_complete || layer.claimed ? layer.stamp : 0;
 	}

@@ -34,29 +34,29 @@ Status InstanceState::merge_diff(
 /// Merges the current content of an ID with its content in the other state. Each part of the result
 /// is the maximum of both parts in a total order, so that the order of merges does not matter.
 StateRecord::Entry InstanceState::Content::joined(std::uint64_t id, const Entry &theirs, double clock) const {
-	Entry both = entry(id);
+	Entry merged = entry(id);
 	if (theirs.removed) {
-		const bool forever = theirs.until == 0.0 || (both.removed && both.until == 0.0);
-		both.until = forever ? 0.0 : std::max(both.until, theirs.until);
-		both.removed = true;
+		const bool forever = theirs.until == 0.0 || (merged.removed && merged.until == 0.0);
+		merged.until = forever ? 0.0 : std::max(merged.until, theirs.until);
+		merged.removed = true;
 	}
-	if (both.removed && both.until > 0.0 && both.until <= clock) {
-		both.removed = false;
-		both.until = 0.0;
+	if (merged.removed && merged.until > 0.0 && merged.until <= clock) {
+		merged.removed = false;
+		merged.until = 0.0;
 	}
 	if (theirs.instance != nullptr) {
-		const bool later = both.instance == nullptr || both.placed_at < theirs.placed_at ||
-				(both.placed_at == theirs.placed_at && is_less(*both.instance, *theirs.instance));
-		both.placed_at = later ? theirs.placed_at : both.placed_at;
-		both.instance = later ? theirs.instance : both.instance;
+		const bool is_later = merged.instance == nullptr || merged.placed_at < theirs.placed_at ||
+				(merged.placed_at == theirs.placed_at && is_less(*merged.instance, *theirs.instance));
+		merged.placed_at = is_later ? theirs.placed_at : merged.placed_at;
+		merged.instance = is_later ? theirs.instance : merged.instance;
 	}
-	const bool later = both.data.empty() || both.data_at < theirs.data_at ||
-			(both.data_at == theirs.data_at && std::ranges::lexicographical_compare(both.data, theirs.data));
-	if (!theirs.data.empty() && later) {
-		both.data = theirs.data;
-		both.data_at = theirs.data_at;
+	const bool is_later = merged.data.empty() || merged.data_at < theirs.data_at ||
+			(merged.data_at == theirs.data_at && std::ranges::lexicographical_compare(merged.data, theirs.data));
+	if (!theirs.data.empty() && is_later) {
+		merged.data = theirs.data;
+		merged.data_at = theirs.data_at;
 	}
-	return both;
+	return merged;
 }
 
 Status InstanceState::Content::take_in(
@@ -65,35 +65,35 @@ Status InstanceState::Content::take_in(
 		return status;
 	}
 	const double latest = std::max(time, clock);
-	std::vector<std::uint64_t> grown;
+	std::vector<std::uint64_t> due_ids;
 	for_each_due(latest, [&](std::uint64_t id) {
 		const double until = removed.value(id);
 		if (until > 0.0 && until <= latest && !record.contains(id)) {
-			grown.push_back(id);
+			due_ids.push_back(id);
 		}
 	});
-	std::ranges::sort(grown);
-	grown.erase(std::unique(grown.begin(), grown.end()), grown.end()); // The heap may contain an ID twice.
-	const auto each = [&](const auto &use) {
-		for (const std::uint64_t id : grown) {
-			Entry to = entry(id);
-			to.removed = false;
-			to.until = 0.0;
-			use(id, to);
+	std::ranges::sort(due_ids);
+	due_ids.erase(std::unique(due_ids.begin(), due_ids.end()), due_ids.end()); // The heap may contain an ID twice.
+	const auto visit_entries = [&](const auto &use) {
+		for (const std::uint64_t id : due_ids) {
+			Entry target = entry(id);
+			target.removed = false;
+			target.until = 0.0;
+			use(id, target);
 		}
 		record.for_each([&](std::uint64_t id, const Entry &theirs) { use(id, joined(id, theirs, latest)); });
 	};
-	if (const Status status = check_changes(record, each, limits); !status.ok()) {
+	if (const Status status = check_changes(record, visit_entries, limits); !status.ok()) {
 		return status;
 	}
 	reserve_stamps(record);
-	change_all(each, r_changes);
+	change_all(visit_entries, r_changes);
 	take_stamps(record);
 	time = latest;
 	return {};
 }
 
-Status InstanceState::Content::check_place(std::uint64_t id, const Entry &to, const DiffLimits &limits) const {
+Status InstanceState::Content::check_place(std::uint64_t id, const Entry &target, const DiffLimits &limits) const {
 	const auto at = [](const AddedInstance &instance) {
 		const glm::dvec2 position(instance.position.x, instance.position.z);
 		return Rect{position, position};
@@ -103,7 +103,7 @@ Status InstanceState::Content::check_place(std::uint64_t id, const Entry &to, co
 		return find_cell(id, cell) ? check_area(limits, cell) : unknown_cells(layer_of(id));
 	}
 	Status status;
-	for (const AddedInstance *instance : {instance_of(id), to.instance}) {
+	for (const AddedInstance *instance : {instance_of(id), target.instance}) {
 		if (status.ok() && instance != nullptr) {
 			status = check_area(limits, at(*instance));
 		}
@@ -124,13 +124,13 @@ Status InstanceState::Content::check_held(std::size_t held, std::size_t placed, 
 }
 
 bool InstanceState::Content::find_cell(std::uint64_t id, Rect &r_cell) const {
-	const auto own = layers.find(layer_of(id));
-	if (own == layers.end() || own->second.cell_side <= 0.0) {
+	const auto layer_entry = layers.find(layer_of(id));
+	if (layer_entry == layers.end() || layer_entry->second.cell_side <= 0.0) {
 		return false;
 	}
-	const double side = own->second.cell_side;
-	const glm::ivec2 first = unpack(id).cell & ~(own->second.cells_together - 1);
-	r_cell = {glm::dvec2(first) * side, glm::dvec2(first + own->second.cells_together) * side};
+	const double side = layer_entry->second.cell_side;
+	const glm::ivec2 first = unpack(id).cell & ~(layer_entry->second.cells_together - 1);
+	r_cell = {glm::dvec2(first) * side, glm::dvec2(first + layer_entry->second.cells_together) * side};
 	return true;
 }
 

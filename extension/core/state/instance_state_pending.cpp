@@ -16,14 +16,14 @@ using Kind = StateStep::Kind;
 /// Appends the changes to report for an ID whose content changes from `from` to `to`.
 void add_difference(std::uint64_t id, const StateRecord::Entry &from, const StateRecord::Entry &to,
 		std::vector<InstanceChange> &r_changes) {
-	const auto same = [](const AddedInstance *left, const AddedInstance *right) {
+	const auto is_equal = [](const AddedInstance *left, const AddedInstance *right) {
 		return left == right || (left != nullptr && right != nullptr && *left == *right);
 	};
 	if (from.removed != to.removed) {
 		r_changes.push_back({id, to.removed ? InstanceChangeKind::removed : InstanceChangeKind::restored, {}});
 	}
 	const bool moves = from.instance != nullptr && to.instance != nullptr;
-	if (!same(from.instance, to.instance)) {
+	if (!is_equal(from.instance, to.instance)) {
 		if (from.instance != nullptr) {
 			r_changes.push_back({id, moves ? InstanceChangeKind::left : InstanceChangeKind::removed, *from.instance});
 		}
@@ -119,10 +119,10 @@ Status InstanceState::finish_pending_diff(StateChanges &r_changes) {
 		status = guarded_by_size([&] { return take_over(*first, r_changes); });
 	}
 	if (!status.ok()) {
-		const Status passed = guarded_by_size([&] { discard_first(*first); });
+		const Status discarded = guarded_by_size([&] { discard_first(*first); });
 		// If the content for the next diff cannot be prepared, all pending diffs fail.
 		for (const std::shared_ptr<PendingDiff> &diff : journal_->diffs) {
-			diff->status_ = passed.ok() ? diff->status_ : passed;
+			diff->status_ = discarded.ok() ? diff->status_ : discarded;
 		}
 	}
 	journal_->diffs.pop_front();
@@ -130,10 +130,11 @@ Status InstanceState::finish_pending_diff(StateChanges &r_changes) {
 		journal_.reset();
 		return status;
 	}
-	const std::size_t done = journal_->diffs.front()->steps_before_;
-	journal_->steps.erase(journal_->steps.begin(), journal_->steps.begin() + static_cast<std::ptrdiff_t>(done));
+	const std::size_t applied_count = journal_->diffs.front()->steps_before_;
+	journal_->steps.erase(
+			journal_->steps.begin(), journal_->steps.begin() + static_cast<std::ptrdiff_t>(applied_count));
 	for (const std::shared_ptr<PendingDiff> &diff : journal_->diffs) {
-		diff->steps_before_ -= done;
+		diff->steps_before_ -= applied_count;
 	}
 	return status;
 }
@@ -146,12 +147,12 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	std::optional<InstanceState> second_base;
 	std::vector<std::uint64_t> touched;
 	std::vector<InstanceChange> changes;
-	for (std::size_t at = 0; at <= journal_->steps.size(); ++at) {
-		if (second != nullptr && at == second->steps_before_) {
+	for (std::size_t index = 0; index <= journal_->steps.size(); ++index) {
+		if (second != nullptr && index == second->steps_before_) {
 			second_base = next.share();
 		}
-		if (at < journal_->steps.size()) {
-			StateStep &step = journal_->steps[at];
+		if (index < journal_->steps.size()) {
+			StateStep &step = journal_->steps[index];
 			const Status status = next.repeat(step, changes);
 			throw_if_out_of_memory(status);
 			if (!status.ok()) {
@@ -192,8 +193,8 @@ void InstanceState::discard_first(PendingDiff &diff) {
 	}
 	diff.base_->content_->complete();
 	std::vector<InstanceChange> changes;
-	for (std::size_t at = 0; at < second.steps_before_; ++at) {
-		throw_if_out_of_memory(diff.base_->repeat(journal_->steps[at], changes));
+	for (std::size_t index = 0; index < second.steps_before_; ++index) {
+		throw_if_out_of_memory(diff.base_->repeat(journal_->steps[index], changes));
 	}
 	second.start_from(diff.base_->share(), content_->log, content_->revision);
 }
