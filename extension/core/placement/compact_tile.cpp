@@ -75,8 +75,8 @@ bool CompactMesh::find_cells(const MeshInstances &mesh) {
 		low = glm::min(low, point.cell);
 		high = glm::max(high, point.cell);
 	}
-	const glm::ivec2 across = high - low;
-	if (!same_layer || std::max(across.x, across.y) > static_cast<int>(cell_mask)) {
+	const glm::ivec2 extent = high - low;
+	if (!same_layer || std::max(extent.x, extent.y) > static_cast<int>(cell_mask)) {
 		return false;
 	}
 	first_id_ = pack({layer, low});
@@ -179,12 +179,12 @@ std::size_t CompactMesh::find(std::uint64_t id) const {
 	};
 	// The search tests many cells at a time without branches, so that the compiler can vectorize
 	// the loop.
-	constexpr std::ptrdiff_t many = 64;
+	constexpr std::ptrdiff_t max_unsorted = 64;
 	auto first = cells_.begin();
-	for (; cells_.end() - first >= many; first += many) {
+	for (; cells_.end() - first >= max_unsorted; first += max_unsorted) {
 		// Counts the matches in these cells. If there are none, the search continues.
 		std::uint32_t hits = 0;
-		for (std::ptrdiff_t i = 0; i < many; ++i) {
+		for (std::ptrdiff_t i = 0; i < max_unsorted; ++i) {
 			hits += is_it(first[i]) ? 1 : 0;
 		}
 		if (hits != 0) {

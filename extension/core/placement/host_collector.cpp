@@ -57,8 +57,8 @@ void HostCollector::add_part(const HostLayer &host, const HostInstance &instance
 }
 
 Status HostCollector::add(const HostLayer &host, const PlacedPoints &points) {
-	const double reach = widest_reach_of(host);
-	const Rect near = expanded(around_, reach);
+	const double host_reach = widest_reach_of(host);
+	const Rect search_area = expanded(around_, host_reach);
 	MeshChoice choice;
 	choice.set(host.layer->mesh_weights);
 	MeshRules rules;
@@ -66,7 +66,7 @@ Status HostCollector::add(const HostLayer &host, const PlacedPoints &points) {
 	MeshRules::Scratch scratch;
 	for (const std::uint32_t point : points.accepted) {
 		const std::uint64_t id = points.ids[point];
-		if (!near.contains(points.positions[point]) || (host.changes != nullptr && host.changes->removed(id))) {
+		if (!search_area.contains(points.positions[point]) || (host.changes != nullptr && host.changes->removed(id))) {
 			continue;
 		}
 		HostInstance instance = instance_at(*host.layer, points, point);
@@ -84,7 +84,7 @@ Status HostCollector::add(const HostLayer &host, const PlacedPoints &points) {
 	}
 	std::vector<HostInstance> placed;
 	if (host.changes != nullptr) {
-		if (const Status status = host.changes->add_placed(near, placed); !status.ok()) {
+		if (const Status status = host.changes->add_placed(search_area, placed); !status.ok()) {
 			return status;
 		}
 	}

@@ -151,8 +151,8 @@ constexpr RowColumn model_column{"model", "<u2"};
 /// The last character of a column's type is its size in bytes.
 constexpr std::size_t bytes_of(const RowColumn &column) { return static_cast<std::size_t>(column.type[2] - '0'); }
 
-std::size_t row_bytes(std::size_t further) {
-	std::size_t bytes = bytes_of(model_column) + further * sizeof(float);
+std::size_t row_bytes(std::size_t extra_count) {
+	std::size_t bytes = bytes_of(model_column) + extra_count * sizeof(float);
 	for (const WrittenColumn &each : leading_columns) {
 		bytes += bytes_of(each.column);
 	}
@@ -209,7 +209,7 @@ std::vector<std::uint8_t> instance_rows(glm::dvec3 origin, std::span<const MeshI
 	for (const MeshInstances *mesh : meshes) {
 		rows += mesh->size();
 	}
-	const std::size_t further = meshes.empty() ? 0 : meshes.front()->stride - transform_floats;
+	const std::size_t extra_count = meshes.empty() ? 0 : meshes.front()->stride - transform_floats;
 	std::vector<RotationAndScale> rotated;
 	rotated.reserve(rows);
 	const RowSource placed{origin, meshes, {}};
@@ -219,18 +219,18 @@ std::vector<std::uint8_t> instance_rows(glm::dvec3 origin, std::span<const MeshI
 	});
 	const RowSource source{origin, meshes, rotated};
 
-	std::vector<std::uint8_t> bytes(row_header_bytes + rows * row_bytes(further));
+	std::vector<std::uint8_t> bytes(row_header_bytes + rows * row_bytes(extra_count));
 	ColumnWriter out(bytes);
 	out.put(static_cast<std::uint32_t>(rows));
-	out.put(static_cast<std::uint32_t>(further));
+	out.put(static_cast<std::uint32_t>(extra_count));
 	out.put(static_cast<std::uint32_t>(std::ranges::count(rotated, true, &RotationAndScale::sheared)));
 	out.put(std::uint32_t{0});
 	for (const WrittenColumn &each : leading_columns) {
 		each.write(source, out);
 	}
-	for (std::size_t more = 0; more < further; ++more) {
+	for (std::size_t extra = 0; extra < extra_count; ++extra) {
 		source.for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) {
-			out.put(float_of(mesh, i, transform_floats + more));
+			out.put(float_of(mesh, i, transform_floats + extra));
 		});
 	}
 	source.for_each(

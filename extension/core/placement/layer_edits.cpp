@@ -50,11 +50,12 @@ const WorldSource *find_source(const LayerSettings &layer, const WorldInput &inp
 /// Appends the areas of edits to biomes. Returns false if values may differ anywhere.
 bool find_source_edits(const LayerSettings &before, const LayerSettings &after,
 		bool (*uses)(const LayerSettings &, const WorldInput &), std::vector<Rect> &r_areas) {
-	return std::ranges::all_of(after.world_sources, [&](const WorldSource &is) {
-		const WorldSource *was = find_source(before, is.input);
-		return !uses(after, is.input) ||
-				(was != nullptr && was->mask == is.mask && (was->layer == nullptr) == (is.layer == nullptr) &&
-						find_biome_edits(after.planet, was->biome.get(), is.biome.get(), r_areas));
+	return std::ranges::all_of(after.world_sources, [&](const WorldSource &current) {
+		const WorldSource *previous = find_source(before, current.input);
+		return !uses(after, current.input) ||
+				(previous != nullptr && previous->mask == current.mask &&
+						(previous->layer == nullptr) == (current.layer == nullptr) &&
+						find_biome_edits(after.planet, previous->biome.get(), current.biome.get(), r_areas));
 	});
 }
 
@@ -175,18 +176,18 @@ const EditedArea &EditSearch::find(const LayerSettings &before, const LayerSetti
 
 const EditedArea &EditSearch::find_edits(const LayerSettings &before, const LayerSettings &after) {
 	const Pair pair{&before, &after};
-	if (const auto known = found_.find(pair); known != found_.end()) {
+	if (const auto known_area = found_.find(pair); known_area != found_.end()) {
 		// Settings do not change during the search, so the cached result is valid.
-		return known->second;
+		return known_area->second;
 	}
 	EditedArea area = find_standing(before, after);
 	area.everywhere = area.everywhere || !same_appearance(before, after);
-	const auto was = distance_sources(before.instance_data);
-	const auto is = distance_sources(after.instance_data);
-	for (std::size_t i = 0; i < is.size() && !area.everywhere; ++i) {
-		area.everywhere = (was[i] == nullptr) != (is[i] == nullptr);
-		if (!area.everywhere && is[i] != nullptr) {
-			area.add(find_standing(*was[i]->layer, *is[i]->layer), is[i]->max);
+	const auto previous = distance_sources(before.instance_data);
+	const auto current = distance_sources(after.instance_data);
+	for (std::size_t i = 0; i < current.size() && !area.everywhere; ++i) {
+		area.everywhere = (previous[i] == nullptr) != (current[i] == nullptr);
+		if (!area.everywhere && current[i] != nullptr) {
+			area.add(find_standing(*previous[i]->layer, *current[i]->layer), current[i]->max);
 		}
 	}
 	if (!area.everywhere) {
@@ -202,9 +203,9 @@ const EditedArea &EditSearch::find_edits(const LayerSettings &before, const Laye
 
 const EditedArea &EditSearch::find_standing(const LayerSettings &before, const LayerSettings &after) {
 	const Pair pair{&before, &after};
-	if (const auto known = present_areas_.find(pair); known != present_areas_.end()) {
+	if (const auto known_area = present_areas_.find(pair); known_area != present_areas_.end()) {
 		// The result is cached, as in find_edits.
-		return known->second;
+		return known_area->second;
 	}
 	if (&before == &after) {
 		// Both sides are the same layer, which has no edits.
@@ -215,11 +216,12 @@ const EditedArea &EditSearch::find_standing(const LayerSettings &before, const L
 	if (!area.everywhere) {
 		area.add(own_edits(before, after));
 		for (std::size_t i = 0; i < after.neighbors.size(); ++i) {
-			const Neighbor &was = before.neighbors[i];
-			const Neighbor &is = after.neighbors[i];
-			area.everywhere = area.everywhere || was.distance != is.distance || was.curve != is.curve;
-			const double chain = fills_around(after, is) ? fill_distance(after.set, fill_chain_cells) : 0.0;
-			area.add(find_standing(*was.layer, *is.layer), is.distance + chain);
+			const Neighbor &previous = before.neighbors[i];
+			const Neighbor &current = after.neighbors[i];
+			area.everywhere =
+					area.everywhere || previous.distance != current.distance || previous.curve != current.curve;
+			const double chain = fills_around(after, current) ? fill_distance(after.set, fill_chain_cells) : 0.0;
+			area.add(find_standing(*previous.layer, *current.layer), current.distance + chain);
 		}
 		const double probes = edge_reach(after.rules.edge_feather, after.set.on_surface);
 		add_measured_edits(before, after, rules_use, probes, area);
@@ -233,10 +235,10 @@ const EditedArea &EditSearch::find_standing(const LayerSettings &before, const L
 /// `distance`.
 void EditSearch::add_measured_edits(const LayerSettings &before, const LayerSettings &after,
 		bool (*uses)(const LayerSettings &, const WorldInput &), double distance, EditedArea &r_area) {
-	for (const WorldSource &is : after.world_sources) {
-		if (!r_area.everywhere && is.layer != nullptr && uses(after, is.input)) {
-			const WorldSource *was = find_source(before, is.input);
-			r_area.add(find_standing(*was->layer, *is.layer), is.input.max_distance + distance);
+	for (const WorldSource &current : after.world_sources) {
+		if (!r_area.everywhere && current.layer != nullptr && uses(after, current.input)) {
+			const WorldSource *previous = find_source(before, current.input);
+			r_area.add(find_standing(*previous->layer, *current.layer), current.input.max_distance + distance);
 		}
 	}
 }
@@ -246,19 +248,19 @@ EditedArea EditSearch::find_host_edits(const LayerSettings &before, const LayerS
 	EditedArea area;
 	area.everywhere = before.hosted != after.hosted || before.hosts.size() != after.hosts.size();
 	for (std::size_t i = 0; !area.everywhere && i < after.hosts.size(); ++i) {
-		const HostLayer &was = before.hosts[i];
-		const HostLayer &is = after.hosts[i];
-		const double distance = host_distance(after, std::max(widest_reach_of(was), widest_reach_of(is)));
-		area.everywhere = was.models != is.models || !same_models(*was.layer, *is.layer);
-		area.add(find_standing(*was.layer, *is.layer), distance);
-		const ScaleSource &scale = is.layer->instance_data.scale;
+		const HostLayer &previous = before.hosts[i];
+		const HostLayer &current = after.hosts[i];
+		const double distance = host_distance(after, std::max(widest_reach_of(previous), widest_reach_of(current)));
+		area.everywhere = previous.models != current.models || !same_models(*previous.layer, *current.layer);
+		area.add(find_standing(*previous.layer, *current.layer), distance);
+		const ScaleSource &scale = current.layer->instance_data.scale;
 		if (!area.everywhere && scale.kind == SourceKind::distance && scale.known()) {
-			area.add(find_standing(*was.layer->instance_data.scale.layer, *scale.layer), scale.max + distance);
+			area.add(find_standing(*previous.layer->instance_data.scale.layer, *scale.layer), scale.max + distance);
 		}
 		if (!area.everywhere) {
-			add_measured_edits(*was.layer, *is.layer, meshes_use, distance, area);
+			add_measured_edits(*previous.layer, *current.layer, meshes_use, distance, area);
 		}
-		const auto changes = host_edits_.find(is.layer->set.layer);
+		const auto changes = host_edits_.find(current.layer->set.layer);
 		if (changes != host_edits_.end()) {
 			area.add(changes->second, distance);
 		}

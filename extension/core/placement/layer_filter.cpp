@@ -63,11 +63,11 @@ Status LayerFilter::sample(
 	is_filled_ = source.obstacles != nullptr;
 	points_.clear();
 	surface_points_.clear();
-	bool closed = false;
-	if (const Status status = rules_.find_closed(window, closed); !status.ok()) {
+	bool is_closed = false;
+	if (const Status status = rules_.find_closed(window, is_closed); !status.ok()) {
 		return status;
 	}
-	if (!closed) { // If the rules let no point pass, none needs to be sampled.
+	if (!is_closed) { // If the rules let no point pass, none needs to be sampled.
 		const Status status = on_surface_ ? sample_surface(source, cancel)
 				: layer_->set.in_rows
 				? sample_rows(cancel)
@@ -87,7 +87,7 @@ Status LayerFilter::sample(
 void LayerFilter::wait_for_others(const TileSpace &window) {
 	window_ = window;
 	on_surface_ = knows_ground_ = layer_->set.on_surface;
-	sampled_ = 0;
+	sampled_count_ = 0;
 	keep_points(true);
 	accepted_.clear();
 	thinning_ranks_.clear();
@@ -107,7 +107,7 @@ void LayerFilter::take_points(std::span<const CachedPoint> points, std::size_t s
 	wait_for_others(window);
 	is_filled_ = true;
 	knows_ground_ = true;
-	sampled_ = sampled;
+	sampled_count_ = sampled;
 	positions_.clear();
 	ids_.clear();
 	known_ground_.clear();
@@ -163,7 +163,7 @@ Status LayerFilter::sample_surface(const PointSource &source, const std::atomic<
 }
 
 Status LayerFilter::take(std::span<const glm::dvec2> positions, const Rect &window, std::span<const Ground> on_surface,
-		const Surface *grown) {
+		const Surface *host_surface) {
 	window_ = window;
 	on_surface_ = knows_ground_ = !on_surface.empty();
 	is_filled_ = false;
@@ -182,14 +182,14 @@ Status LayerFilter::take(std::span<const glm::dvec2> positions, const Rect &wind
 		return status;
 	}
 	keep_points(true);
-	return gather_surroundings(grown, nullptr);
+	return gather_surroundings(host_surface, nullptr);
 }
 
 /// Evaluates the position rules at all points.
 Status LayerFilter::query_position() {
-	sampled_ = points_.size();
-	sampled_positions_.resize(sampled_);
-	sampled_densities_.resize(sampled_);
+	sampled_count_ = points_.size();
+	sampled_positions_.resize(sampled_count_);
+	sampled_densities_.resize(sampled_count_);
 	std::transform(points_.begin(), points_.end(), sampled_positions_.begin(),
 			[](const SamplePoint &point) { return point.position; });
 	sampled_heights_.clear();
@@ -208,11 +208,11 @@ void LayerFilter::keep_points(bool all) {
 		densities_.resize(count);
 		known_ground_.resize(on_surface_ ? count : 0);
 	};
-	resize(sampled_);
+	resize(sampled_count_);
 	// The loop avoids a branch, which would often be mispredicted: a point that is not kept is
 	// overwritten by the next one.
 	std::size_t kept_count = 0;
-	for (std::size_t i = 0; i < sampled_; ++i) {
+	for (std::size_t i = 0; i < sampled_count_; ++i) {
 		positions_[kept_count] = points_[i].position;
 		ids_[kept_count] = points_[i].id;
 		ranks_[kept_count] = points_[i].rank;
@@ -226,7 +226,7 @@ void LayerFilter::keep_points(bool all) {
 	resize(kept_count);
 }
 
-Status LayerFilter::gather_surroundings(const Surface *grown, const std::atomic<bool> *cancel) {
+Status LayerFilter::gather_surroundings(const Surface *host_surface, const std::atomic<bool> *cancel) {
 	near_shapes_.clear();
 	if (const ShapeSet *shapes = rules_.rules().shapes.get()) {
 		// Probes may be outside the window.
@@ -240,13 +240,13 @@ Status LayerFilter::gather_surroundings(const Surface *grown, const std::atomic<
 	if (!(rules_.rules().edge_feather > 0.0)) {
 		return {};
 	}
-	const Status status = find_probes(grown, cancel);
+	const Status status = find_probes(host_surface, cancel);
 	return status.ok() ? evaluate_probes() : status;
 }
 
-Status LayerFilter::find_probes(const Surface *grown, const std::atomic<bool> *cancel) {
+Status LayerFilter::find_probes(const Surface *host_surface, const std::atomic<bool> *cancel) {
 	if (on_surface_) {
-		return grown != nullptr ? find_probes_on(*grown, cancel) : Status();
+		return host_surface != nullptr ? find_probes_on(*host_surface, cancel) : Status();
 	}
 	for (const glm::dvec2 position : positions_) {
 		for (const glm::dvec2 offset : probe_offsets) {
@@ -257,14 +257,14 @@ Status LayerFilter::find_probes(const Surface *grown, const std::atomic<bool> *c
 }
 
 /// Finds the probes around the points on a surface, and the ground at each probe.
-Status LayerFilter::find_probes_on(const Surface &grown, const std::atomic<bool> *cancel) {
+Status LayerFilter::find_probes_on(const Surface &host_surface, const std::atomic<bool> *cancel) {
 	std::array<SurfaceProbe, edge_probes> around{};
 	for (std::size_t point = 0; point < positions_.size(); ++point) {
 		if (point % surface_points_per_check == 0 && is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
 		const Ground &ground = known_ground_[point];
-		surface_probes_.find(grown, {positions_[point].x, ground.height, positions_[point].y}, ground.normal,
+		surface_probes_.find(host_surface, {positions_[point].x, ground.height, positions_[point].y}, ground.normal,
 				rules_.rules().edge_feather, around);
 		for (const SurfaceProbe &probe : around) {
 			const auto height = static_cast<float>(probe.position.y);
@@ -338,12 +338,12 @@ float LayerFilter::texture_weight(std::size_t source, std::size_t at, std::span<
 }
 
 /// Returns the value of a source at a point or probe, whose index is as for texture_weight.
-float LayerFilter::world_value(std::size_t source, std::size_t at, glm::dvec2 position, const Ground &here,
+float LayerFilter::world_value(std::size_t source, std::size_t at, glm::dvec2 position, const Ground &point_ground,
 		std::span<const Ground> ground) const {
 	const WorldSource &from = layer_->world_sources[source];
 	PositionBatch batch{{&position, 1}};
 	if (on_surface_) {
-		batch.heights = {&here.height, 1};
+		batch.heights = {&point_ground.height, 1};
 	}
 	float value = 0.0f;
 	switch (from.input.kind) {
@@ -362,9 +362,9 @@ float LayerFilter::world_value(std::size_t source, std::size_t at, glm::dvec2 po
 		case WorldInputKind::texture: value = texture_weight(source, at, ground); break;
 		case WorldInputKind::distance:
 			value = static_cast<float>(from.input.max_distance);
-			if (from.layer != nullptr && std::isfinite(here.height)) {
-				value = static_cast<float>(
-						std::sqrt(nearest_squared(*measured_[source], position, here, from.input.max_distance)));
+			if (from.layer != nullptr && std::isfinite(point_ground.height)) {
+				value = static_cast<float>(std::sqrt(
+						nearest_squared(*measured_[source], position, point_ground, from.input.max_distance)));
 			}
 			break;
 	}
@@ -373,10 +373,10 @@ float LayerFilter::world_value(std::size_t source, std::size_t at, glm::dvec2 po
 
 /// Writes the values of the world inputs of the rules' expression, and returns those that were
 /// written.
-std::span<const float> LayerFilter::rule_values(std::size_t at, glm::dvec2 position, const Ground &here,
+std::span<const float> LayerFilter::rule_values(std::size_t at, glm::dvec2 position, const Ground &point_ground,
 		std::span<const Ground> ground, WorldValues &r_values) const {
 	for (std::size_t i = 0; i < rule_sources_.size(); ++i) {
-		r_values[i] = world_value(rule_sources_[i], at, position, here, ground);
+		r_values[i] = world_value(rule_sources_[i], at, position, point_ground, ground);
 	}
 	return std::span<const float>(r_values).first(rule_sources_.size());
 }
@@ -400,34 +400,35 @@ void LayerFilter::add_known_queries(std::vector<glm::dvec2> &r_positions, std::v
 	}
 }
 
-bool LayerFilter::probe_allows(std::size_t probe, const Ground &here, std::span<const Ground> ground) const {
+bool LayerFilter::probe_allows(std::size_t probe, const Ground &point_ground, std::span<const Ground> ground) const {
 	if (probe_allowed_[probe] == 0) {
 		return false;
 	}
 	WorldValues values;
 	const std::span<const float> world = rule_sources_.empty()
 			? std::span<const float>()
-			: rule_values(positions_.size() + probe, probes_[probe], here, ground, values);
-	return rules_.allow(here, probes_[probe], world) && rules_.shape_density(near_shapes_, probes_[probe], here) > 0.0;
+			: rule_values(positions_.size() + probe, probes_[probe], point_ground, ground, values);
+	return rules_.allow(point_ground, probes_[probe], world) &&
+			rules_.shape_density(near_shapes_, probes_[probe], point_ground) > 0.0;
 }
 
 template <class Record>
 double LayerFilter::edge_density_at(std::size_t point, std::span<const Ground> ground, const Record &record) const {
 	const std::span<const Ground> probe_ground = probes_of(ground);
-	std::size_t allowed = 0;
+	std::size_t allowed_count = 0;
 	for (std::size_t i = 0; i < edge_probes; ++i) {
 		const std::size_t probe = point * edge_probes + i;
-		allowed += probe_allows(probe, probe_ground[probe], ground) ? 1 : 0;
+		allowed_count += probe_allows(probe, probe_ground[probe], ground) ? 1 : 0;
 	}
-	const double fraction = static_cast<double>(allowed) / static_cast<double>(edge_probes);
-	return record(RuleKind::edge_feather, fraction, edge_density(allowed));
+	const double fraction = static_cast<double>(allowed_count) / static_cast<double>(edge_probes);
+	return record(RuleKind::edge_feather, fraction, edge_density(allowed_count));
 }
 
 template <class Record>
 double LayerFilter::neighbor_density(
-		std::size_t neighbor, std::size_t point, const Ground &here, const Record &record) const {
+		std::size_t neighbor, std::size_t point, const Ground &point_ground, const Record &record) const {
 	const Neighbor &rule = layer_->neighbors[neighbor];
-	const double squared = nearest_squared(*neighbors_[neighbor], positions_[point], here, rule.distance);
+	const double squared = nearest_squared(*neighbors_[neighbor], positions_[point], point_ground, rule.distance);
 	const double distance = Record::complete || rule.curve != nullptr ? std::sqrt(squared) : 0.0;
 	const double density = rule.curve != nullptr      ? rule.curve->at(distance)
 			: squared < rule.distance * rule.distance ? 0.0
@@ -438,33 +439,33 @@ double LayerFilter::neighbor_density(
 /// Returns the product of the rules that depend only on a point's position and the ground there.
 template <class Record>
 double LayerFilter::density_alone(
-		std::size_t point, const Ground &here, std::span<const Ground> ground, const Record &record) const {
+		std::size_t point, const Ground &point_ground, std::span<const Ground> ground, const Record &record) const {
 	if (rule_sources_.empty()) {
-		return densities_[point] * rules_.ground_density(here, positions_[point], record);
+		return densities_[point] * rules_.ground_density(point_ground, positions_[point], record);
 	}
 	WorldValues values;
-	const std::span<const float> world = rule_values(point, positions_[point], here, ground, values);
-	return densities_[point] * rules_.ground_density(here, positions_[point], record, world);
+	const std::span<const float> world = rule_values(point, positions_[point], point_ground, ground, values);
+	return densities_[point] * rules_.ground_density(point_ground, positions_[point], record, world);
 }
 
 /// Evaluates the rules in ascending order of cost, and stops once the density is too low for the
 /// point's rank.
 template <class Record>
 double LayerFilter::product(std::size_t point, std::span<const Ground> ground, const Record &record) const {
-	const Ground &here = ground_of(ground)[point];
-	double density = density_alone(point, here, ground, record);
-	if (Record::complete && !std::isfinite(here.height)) {
+	const Ground &point_ground = ground_of(ground)[point];
+	double density = density_alone(point, point_ground, ground, record);
+	if (Record::complete && !std::isfinite(point_ground.height)) {
 		return density; // The density is 0, and the remaining rules need ground.
 	}
 	const auto goes_on = [&] {
 		return Record::complete || is_placed(ranks_[point], density);
 	};
 	if (goes_on()) {
-		density *= rules_.shape_density(near_shapes_, positions_[point], here, record);
+		density *= rules_.shape_density(near_shapes_, positions_[point], point_ground, record);
 	}
 	for (std::size_t i = 0; i < neighbors_.size() && goes_on(); ++i) {
 		if (!is_filled_ || !fills_around(*layer_, layer_->neighbors[i])) {
-			density *= neighbor_density(i, point, here, record);
+			density *= neighbor_density(i, point, point_ground, record);
 		}
 	}
 	if (!probe_allowed_.empty() && goes_on()) {

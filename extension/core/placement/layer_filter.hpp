@@ -64,7 +64,7 @@ public:
 	/// surfaces, `on_surface` contains the ground at each of them, and `grown` is the surface on which
 	/// the layer grows. If `on_surface` is empty, the positions are on the top of the ground.
 	Status take(std::span<const glm::dvec2> positions, const Rect &window, std::span<const Ground> on_surface = {},
-			const Surface *grown = nullptr);
+			const Surface *host_surface = nullptr);
 
 	/// Appends the positions at which `filter` needs the ground, and their queries. These are the
 	/// positions of the points and, with an edge feather, edge_probes positions for each point.
@@ -112,9 +112,11 @@ public:
 
 	const LayerSettings &settings() const { return *layer_; }
 	const Rect &window() const { return window_; }
-	std::size_t sampled() const { return sampled_; }
+	std::size_t sampled() const { return sampled_count_; }
 	/// Returns the positions of all sampled points, also of those that no rule lets pass.
-	std::span<const glm::dvec2> sampled_positions() const { return std::span(sampled_positions_).first(sampled_); }
+	std::span<const glm::dvec2> sampled_positions() const {
+		return std::span(sampled_positions_).first(sampled_count_);
+	}
 	std::span<const glm::dvec2> positions() const { return positions_; }
 	std::span<const std::uint64_t> ids() const { return ids_; }
 	std::span<const std::uint32_t> ranks() const { return ranks_; }
@@ -136,9 +138,9 @@ private:
 	std::size_t texture_first(std::size_t index) const;
 	void add_texture_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 	float texture_weight(std::size_t source, std::size_t at, std::span<const Ground> ground) const;
-	float world_value(std::size_t source, std::size_t at, glm::dvec2 position, const Ground &here,
+	float world_value(std::size_t source, std::size_t at, glm::dvec2 position, const Ground &point_ground,
 			std::span<const Ground> ground) const;
-	std::span<const float> rule_values(std::size_t at, glm::dvec2 position, const Ground &here,
+	std::span<const float> rule_values(std::size_t at, glm::dvec2 position, const Ground &point_ground,
 			std::span<const Ground> ground, WorldValues &r_values) const;
 	std::span<const Ground> probes_of(std::span<const Ground> ground) const {
 		return queries_ground() ? ground.subspan(positions_.size(), probes_.size())
@@ -153,18 +155,19 @@ private:
 	Status sample_surface(const PointSource &source, const std::atomic<bool> *cancel);
 	Status query_position();
 	void keep_points(bool all);
-	Status gather_surroundings(const Surface *grown, const std::atomic<bool> *cancel);
-	Status find_probes(const Surface *grown, const std::atomic<bool> *cancel);
-	Status find_probes_on(const Surface &grown, const std::atomic<bool> *cancel);
+	Status gather_surroundings(const Surface *host_surface, const std::atomic<bool> *cancel);
+	Status find_probes(const Surface *host_surface, const std::atomic<bool> *cancel);
+	Status find_probes_on(const Surface &host_surface, const std::atomic<bool> *cancel);
 	Status evaluate_probes();
-	bool probe_allows(std::size_t probe, const Ground &here, std::span<const Ground> ground) const;
+	bool probe_allows(std::size_t probe, const Ground &point_ground, std::span<const Ground> ground) const;
 	template <class Record>
-	double neighbor_density(std::size_t neighbor, std::size_t point, const Ground &here, const Record &record) const;
+	double neighbor_density(
+			std::size_t neighbor, std::size_t point, const Ground &point_ground, const Record &record) const;
 	template <class Record>
 	double edge_density_at(std::size_t point, std::span<const Ground> ground, const Record &record) const;
 	template <class Record>
 	double density_alone(
-			std::size_t point, const Ground &here, std::span<const Ground> ground, const Record &record) const;
+			std::size_t point, const Ground &point_ground, std::span<const Ground> ground, const Record &record) const;
 	template <class Record>
 	double product(std::size_t point, std::span<const Ground> ground, const Record &record) const;
 
@@ -176,7 +179,7 @@ private:
 	std::vector<std::size_t> mesh_sources_;     ///< The sources that the rules of meshes use, if they are needed.
 	std::vector<TextureWeights> textures_;
 	TileSpace window_;
-	std::size_t sampled_ = 0;
+	std::size_t sampled_count_ = 0;
 	bool on_surface_ = false; ///< True if the points are on surfaces.
 	/// True if the ground at the points is known, because they are on surfaces or from a cache.
 	bool knows_ground_ = false;

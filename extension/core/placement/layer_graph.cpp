@@ -137,8 +137,8 @@ void LayerGraph::add_hosts(const LayerSettings &layer, std::size_t depth) {
 /// Computes the margins backward from the layer itself, because all layers that depend on a layer
 /// come after it.
 void LayerGraph::find_margins() {
-	for (std::size_t at = size_; at-- > 0;) {
-		const Node &node = nodes_[at];
+	for (std::size_t index = size_; index-- > 0;) {
+		const Node &node = nodes_[index];
 		if (node.depth > max_neighbor_depth) {
 			status_ = too_deep(node.depth);
 			return;
@@ -150,8 +150,9 @@ void LayerGraph::find_margins() {
 			other.is_filled_around = other.is_filled_around || node.is_filled_around;
 			return other;
 		};
-		const auto include = [&extend, &node](const LayerSettings *layer, double distance, double beyond = 0.0) {
-			Node &other = extend(layer, distance + beyond);
+		const auto include = [&extend, &node](
+									 const LayerSettings *layer, double distance, double extra_distance = 0.0) {
+			Node &other = extend(layer, distance + extra_distance);
 			other.max_dependent_distance = std::max(other.max_dependent_distance, distance);
 			(distance_in_space(*node.layer, *layer) ? other.needed_in_space : other.needed_on_plane) = true;
 		};
@@ -176,10 +177,10 @@ void LayerGraph::find_margins() {
 		for (const WorldSource &source : node.layer->world_sources) {
 			if (measures(node, source)) {
 				// Edge probes evaluate the expression of the rules, too.
-				const double beyond = rules_measure(node, source)
+				const double extra_distance = rules_measure(node, source)
 						? edge_reach(node.layer->rules.edge_feather, node.layer->set.on_surface)
 						: 0.0;
-				include(source.layer.get(), source.input.max_distance, beyond);
+				include(source.layer.get(), source.input.max_distance, extra_distance);
 			}
 		}
 	}
@@ -196,12 +197,12 @@ void LayerGraph::use_cache(Cached cached) {
 	}
 	std::array<bool, max_graph_layers> needed{};
 	needed[size_ - 1] = true;
-	for (std::size_t at = size_; at-- > 0;) {
-		Node &node = nodes_[at];
-		node.is_cached = at + 1 == size_ ? cached == Cached::all
-										 : (node.is_filled_around || fills(*node.layer)) &&
+	for (std::size_t index = size_; index-- > 0;) {
+		Node &node = nodes_[index];
+		node.is_cached = index + 1 == size_ ? cached == Cached::all
+											: (node.is_filled_around || fills(*node.layer)) &&
 						!node.layer->set.on_surface && !node.needed_in_space && !node.is_host;
-		if (!needed[at]) {
+		if (!needed[index]) {
 			continue;
 		}
 		for (const Neighbor &neighbor : neighbors_of(node)) {
@@ -221,15 +222,15 @@ void LayerGraph::use_cache(Cached cached) {
 			}
 		}
 	}
-	std::size_t kept = 0;
-	for (std::size_t at = 0; at < size_; ++at) {
-		if (needed[at]) {
+	std::size_t kept_count = 0;
+	for (std::size_t index = 0; index < size_; ++index) {
+		if (needed[index]) {
 			// The margins are computed again, because they included those of cached layers.
-			nodes_[kept] = {.layer = nodes_[at].layer, .is_cached = nodes_[at].is_cached};
-			++kept;
+			nodes_[kept_count] = {.layer = nodes_[index].layer, .is_cached = nodes_[index].is_cached};
+			++kept_count;
 		}
 	}
-	size_ = kept;
+	size_ = kept_count;
 	find_margins();
 }
 

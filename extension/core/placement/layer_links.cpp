@@ -27,7 +27,7 @@ std::size_t find(Links layers, const LayerReference &reference) {
 }
 
 /// The references of a layer, resolved to indices.
-struct Found {
+struct ResolvedReferences {
 	std::map<std::size_t, double> spacing;
 	std::size_t proximity_layer = 0; ///< Index, or the number of layers if there is none.
 	std::size_t color_layer = 0;     ///< Index of the color's layer, or the number of layers if there is none.
@@ -37,20 +37,20 @@ struct Found {
 	std::set<std::size_t> hosts;
 };
 
-std::vector<Found> find_all(Links layers) {
-	std::vector<Found> result;
+std::vector<ResolvedReferences> find_all(Links layers) {
+	std::vector<ResolvedReferences> result;
 	for (const LayerLinks *layer : layers) {
-		Found &found = result.emplace_back();
+		ResolvedReferences &references = result.emplace_back();
 		if (layer != nullptr) {
-			found.proximity_layer = find(layers, layer->proximity_layer);
-			found.color_layer = find(layers, layer->color_layer);
-			found.variation_layer = find(layers, layer->variation_layer);
-			found.scale_layer = find(layers, layer->scale_layer);
+			references.proximity_layer = find(layers, layer->proximity_layer);
+			references.color_layer = find(layers, layer->color_layer);
+			references.variation_layer = find(layers, layer->variation_layer);
+			references.scale_layer = find(layers, layer->scale_layer);
 			for (const LayerReference &reference : layer->surface_layers) {
-				found.hosts.insert(find(layers, reference));
+				references.hosts.insert(find(layers, reference));
 			}
 			for (const auto &[reference, distance] : layer->spacing) {
-				double &meters = found.spacing[find(layers, reference)];
+				double &meters = references.spacing[find(layers, reference)];
 				meters = std::max(meters, distance);
 			}
 		}
@@ -58,25 +58,27 @@ std::vector<Found> find_all(Links layers) {
 	return result;
 }
 
-double required_spacing(const Found &asking, std::size_t other) {
-	const auto found = asking.spacing.find(other);
-	return found != asking.spacing.end() ? found->second : 0.0;
+double required_spacing(const ResolvedReferences &references, std::size_t other) {
+	const auto entry = references.spacing.find(other);
+	return entry != references.spacing.end() ? entry->second : 0.0;
 }
 
 /// Returns the neighbors of the layer at `index`, among the layers before it.
-std::vector<Neighbor> neighbors(
-		Links layers, std::span<const Found> found, std::size_t index, std::span<const LinkedLayer> earlier) {
+std::vector<Neighbor> neighbors(Links layers, std::span<const ResolvedReferences> references, std::size_t index,
+		std::span<const LinkedLayer> earlier) {
 	const LayerLinks &layer = *layers[index];
 	std::vector<Neighbor> result;
 	for (std::size_t i = 0; i < index; ++i) {
 		if (earlier[i].settings == nullptr) {
 			continue;
 		}
-		const double distance = std::max(required_spacing(found[index], i), required_spacing(found[i], index));
+		const double distance =
+				std::max(required_spacing(references[index], i), required_spacing(references[i], index));
 		if (distance > 0.0) {
 			result.push_back({earlier[i].settings, distance, nullptr});
 		}
-		if (found[index].proximity_layer == i && layer.proximity_distance > 0.0 && layer.proximity_curve != nullptr) {
+		if (references[index].proximity_layer == i && layer.proximity_distance > 0.0 &&
+				layer.proximity_curve != nullptr) {
 			result.push_back({earlier[i].settings, layer.proximity_distance, layer.proximity_curve});
 		}
 	}
@@ -89,10 +91,10 @@ SharedLayer layer_at(std::span<const LinkedLayer> earlier, std::size_t index) {
 }
 
 /// Returns the hosts of a layer: the surface layers that come before it and have models.
-std::vector<HostLayer> hosts(
-		std::span<const UnlinkedLayer> layers, const Found &found, std::span<const LinkedLayer> earlier) {
+std::vector<HostLayer> hosts(std::span<const UnlinkedLayer> layers, const ResolvedReferences &references,
+		std::span<const LinkedLayer> earlier) {
 	std::vector<HostLayer> result;
-	for (const std::size_t host : found.hosts) {
+	for (const std::size_t host : references.hosts) {
 		if (SharedLayer settings = layer_at(earlier, host); settings != nullptr && layers[host].models != nullptr) {
 			result.push_back({std::move(settings), layers[host].models, layers[host].changes});
 		}
@@ -128,10 +130,11 @@ void add_fill_problems(Links layers, std::size_t index, std::vector<std::string>
 							 "as seen from above fill gaps. Disable one of them.");
 		return;
 	}
-	const std::vector<Found> found = find_all(layers);
+	const std::vector<ResolvedReferences> references = find_all(layers);
 	bool has_spacing = false;
 	for (std::size_t i = 0; i < index; ++i) {
-		const double distance = std::max(required_spacing(found[index], i), required_spacing(found[i], index));
+		const double distance =
+				std::max(required_spacing(references[index], i), required_spacing(references[i], index));
 		if (layers[i] == nullptr || distance <= 0.0) {
 			continue;
 		}
@@ -154,8 +157,8 @@ void add_fill_problems(Links layers, std::size_t index, std::vector<std::string>
 
 std::set<std::size_t> hosts_in(Links layers) {
 	std::set<std::size_t> result;
-	for (const Found &found : find_all(layers)) {
-		result.insert(found.hosts.begin(), found.hosts.end());
+	for (const ResolvedReferences &references : find_all(layers)) {
+		result.insert(references.hosts.begin(), references.hosts.end());
 	}
 	result.erase(layers.size()); // The index of unknown layers.
 	return result;
@@ -167,24 +170,24 @@ std::vector<LinkedLayer> link_layers(
 	for (const UnlinkedLayer &layer : layers) {
 		links.push_back(layer.links);
 	}
-	const std::vector<Found> found = find_all(links);
+	const std::vector<ResolvedReferences> references = find_all(links);
 	std::vector<LinkedLayer> result;
 	for (std::size_t i = 0; i < layers.size(); ++i) {
-		const SharedLayer was = i < before.size() ? before[i] : nullptr;
+		const SharedLayer previous = i < before.size() ? before[i] : nullptr;
 		LinkedLayer &out = result.emplace_back();
 		if (layers[i].settings == nullptr) {
 			continue;
 		}
 		LayerSettings settings = *layers[i].settings;
 		const std::span<const LinkedLayer> earlier = std::span(result).first(i);
-		settings.neighbors = neighbors(links, found, i, earlier);
+		settings.neighbors = neighbors(links, references, i, earlier);
 		settings.spacing_fills = links[i]->spacing_fills;
 		settings.spacing_fills = fills(settings); // A switch without an effect regenerates nothing.
 		settings.hosted = settings.set.on_surface && !links[i]->surface_layers.empty();
-		settings.hosts = settings.hosted ? hosts(layers, found[i], earlier) : std::vector<HostLayer>();
-		settings.instance_data.color.layer = layer_at(earlier, found[i].color_layer);
-		settings.instance_data.variation.layer = layer_at(earlier, found[i].variation_layer);
-		settings.instance_data.scale.layer = layer_at(earlier, found[i].scale_layer);
+		settings.hosts = settings.hosted ? hosts(layers, references[i], earlier) : std::vector<HostLayer>();
+		settings.instance_data.color.layer = layer_at(earlier, references[i].color_layer);
+		settings.instance_data.variation.layer = layer_at(earlier, references[i].variation_layer);
+		settings.instance_data.scale.layer = layer_at(earlier, references[i].scale_layer);
 		for (WorldSource &source : settings.world_sources) {
 			if (source.input.kind == WorldInputKind::distance) {
 				source.layer = layer_at(earlier, find(links, LayerReference(source.input.name)));
@@ -194,8 +197,8 @@ std::vector<LinkedLayer> link_layers(
 		if (out.status.ok() && check) {
 			out.status = check(settings, i);
 		}
-		if (!out.status.ok() || (was != nullptr && *was == settings)) {
-			out.settings = was;
+		if (!out.status.ok() || (previous != nullptr && *previous == settings)) {
+			out.settings = previous;
 		} else {
 			out.settings = std::make_shared<const LayerSettings>(std::move(settings));
 		}
@@ -203,9 +206,9 @@ std::vector<LinkedLayer> link_layers(
 	return result;
 }
 
-std::string free_layer_name(std::string_view name, std::span<const std::string> taken) {
+std::string free_layer_name(std::string_view name, std::span<const std::string> taken_names) {
 	std::string result(name);
-	for (int number = 2; std::ranges::find(taken, result) != taken.end(); ++number) {
+	for (int number = 2; std::ranges::find(taken_names, result) != taken_names.end(); ++number) {
 		result = std::string(name).append(" ").append(std::to_string(number));
 	}
 	return result;

@@ -104,9 +104,9 @@ std::set<std::size_t> hosts_in(std::span<const LayerLinks *const> layers);
 std::vector<LinkedLayer> link_layers(
 		std::span<const UnlinkedLayer> layers, std::span<const SharedLayer> before, const LayerCheck &check = {});
 
-/// Returns a name that is not in `taken`: `name` itself, or `name` with the lowest free number from
+/// Returns a name that is not in `taken_names`: `name` itself, or `name` with the lowest free number from
 /// 2 on, as in "Oak 2".
-std::string free_layer_name(std::string_view name, std::span<const std::string> taken);
+std::string free_layer_name(std::string_view name, std::span<const std::string> taken_names);
 
 /// Describes likely mistakes in a layer's name and references, one string for each. The mistakes are
 /// references to unknown layers, spacing from the layer itself, and a name that an earlier layer

@@ -24,13 +24,13 @@ void MeshRules::set(const LayerSettings &layer) {
 		if (layer.mesh_rules[mesh].has_value() && weights_[mesh] > 0.0) {
 			Rules rules = *layer.mesh_rules[mesh];
 			rules.water = layer.rules.water;
-			RuledMesh &added = ruled_.emplace_back();
-			added.mesh = mesh;
+			RuledMesh &ruled_mesh = ruled_.emplace_back();
+			ruled_mesh.mesh = mesh;
 			// The rules are valid, so the call can fail only for lack of memory.
-			throw_if_out_of_memory(added.rules.set(rules, seed_, sides, layer.planet));
+			throw_if_out_of_memory(ruled_mesh.rules.set(rules, seed_, sides, layer.planet));
 			for (std::size_t input = 0; rules.expression != nullptr && input < rules.expression->world_inputs().size();
 					++input) {
-				added.sources.push_back(source_of(layer.world_sources, rules.expression->world_inputs()[input]));
+				ruled_mesh.sources.push_back(source_of(layer.world_sources, rules.expression->world_inputs()[input]));
 			}
 		}
 	}
@@ -54,12 +54,12 @@ Status MeshRules::find_densities(const RuledMesh &mesh, std::span<const MeshPoin
 	const PositionBatch batch{r_scratch.positions, r_scratch.heights};
 	const Status status = mesh.rules.position_densities(batch, r_scratch.densities, r_scratch.fields);
 	std::array<float, max_world_inputs> world;
-	const std::span<const float> used = std::span<const float>(world).first(mesh.sources.size());
+	const std::span<const float> values = std::span<const float>(world).first(mesh.sources.size());
 	for (std::size_t i = 0; status.ok() && i < points.size(); ++i) {
 		for (std::size_t input = 0; input < mesh.sources.size(); ++input) {
 			world[input] = points[i].world_values[mesh.sources[input]];
 		}
-		r_scratch.densities[i] *= mesh.rules.ground_density(points[i].ground, points[i].position, NoRecord(), used);
+		r_scratch.densities[i] *= mesh.rules.ground_density(points[i].ground, points[i].position, NoRecord(), values);
 	}
 	return status;
 }
@@ -90,13 +90,13 @@ Status MeshRules::choose(
 			continue;
 		}
 		const std::uint32_t word = MeshChoice::word_of(seed_, points[i].id);
-		std::size_t chosen = 0;
+		std::size_t chosen_index = 0;
 		double before = 0.0;
 		for (std::size_t mesh = 0; mesh < weights_.size(); ++mesh) {
 			before += r_scratch.weights[mesh * count + i];
-			chosen += word >= MeshChoice::end_of(before, sum) ? 1 : 0;
+			chosen_index += word >= MeshChoice::end_of(before, sum) ? 1 : 0;
 		}
-		r_meshes[i] = static_cast<std::uint8_t>(chosen);
+		r_meshes[i] = static_cast<std::uint8_t>(chosen_index);
 	}
 	return {};
 }

@@ -23,7 +23,7 @@ Status ParallelTileBuilder::build(std::span<const TileOrder> orders, const Terra
 		return status;
 	}
 	std::atomic<std::size_t> next = 0;
-	std::atomic<bool> failed = false;
+	std::atomic<bool> has_failed = false;
 	const auto make = [&](std::unique_ptr<Worker> &r_worker, std::size_t at) -> Status {
 		if (r_worker == nullptr) {
 			r_worker = std::make_unique<Worker>(blocks_, instances_);
@@ -40,10 +40,10 @@ Status ParallelTileBuilder::build(std::span<const TileOrder> orders, const Terra
 		return status;
 	};
 	threads.run([&](std::size_t index) {
-		for (std::size_t at = next++; at < orders.size() && !failed; at = next++) {
+		for (std::size_t at = next++; at < orders.size() && !has_failed; at = next++) {
 			const glm::dvec2 size = orders[at].space.size();
 			statuses[at] = guarded("tile", std::max(size.x, size.y), [&] { return make(workers_[index], at); });
-			failed = failed || !statuses[at].ok();
+			has_failed = has_failed || !statuses[at].ok();
 		}
 	});
 	const auto first = std::ranges::find_if(statuses, [](const Status &status) { return !status.ok(); });

@@ -83,14 +83,14 @@ std::array<glm::dvec3, 3> PlacedModels::triangle(std::uint32_t index) const {
 
 void PlacedModels::find(const Box3 &box, std::vector<std::uint32_t> &r_triangles) const {
 	r_triangles.clear();
-	std::vector<std::uint32_t> found;
-	tree_.find(box, [&](std::uint32_t part) { return parts_[part].bounds; }, found);
-	std::vector<std::uint32_t> inside;
-	for (const std::uint32_t part : found) {
+	std::vector<std::uint32_t> near_parts;
+	tree_.find(box, [&](std::uint32_t part) { return parts_[part].bounds; }, near_parts);
+	std::vector<std::uint32_t> triangles;
+	for (const std::uint32_t part : near_parts) {
 		const Placed &placed = parts_[part];
 		const auto first = static_cast<std::uint32_t>(part == 0 ? 0 : ends_[part - 1]);
-		placed.model->find(placed.to_model(box), inside);
-		for (const std::uint32_t index : inside) {
+		placed.model->find(placed.to_model(box), triangles);
+		for (const std::uint32_t index : triangles) {
 			const auto [a, b, c] = placed.triangle(index);
 			if (touch(with(with(Box3{a, a}, b), c), box)) {
 				r_triangles.push_back(first + index);

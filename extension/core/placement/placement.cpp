@@ -118,8 +118,8 @@ float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t 
 	const auto random = instance_random(seed, id, Draw::placement);
 	const double yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, unit_interval(random[0]));
 	const double scale = scale_at(placement, scale_number.value_or(unit_interval(random[1])));
-	const Rotation own = rotation_by(yaw / 360.0);
-	const Rotation rotation = heading ? combined(own, *heading) : own;
+	const Rotation yaw_rotation = rotation_by(yaw / 360.0);
+	const Rotation rotation = heading ? combined(yaw_rotation, *heading) : yaw_rotation;
 	const double align = placement.align_to_normal;
 	const glm::vec3 position{r_transform[3], r_transform[7], r_transform[11]};
 	const glm::dvec3 up = up_field.away ? up_axis(normal, align, up_field.at(position)) : up_axis(normal, align);

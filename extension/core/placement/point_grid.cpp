@@ -89,28 +89,28 @@ double PointGrid<Point>::nearest_in_row(const Point &position, int y, int first,
 template <class Point>
 double PointGrid<Point>::nearest_outwards(
 		const Point &position, glm::ivec2 first, glm::ivec2 last, double nearest) const {
-	const glm::ivec2 own = cell_of(from_above(position));
-	const glm::ivec2 farthest = glm::max(own - first, last - own);
+	const glm::ivec2 center_cell = cell_of(from_above(position));
+	const glm::ivec2 farthest = glm::max(center_cell - first, last - center_cell);
 	for (int ring = 0; ring <= std::max(farthest.x, farthest.y); ++ring) {
 		// The distance, in cells, to points in a ring is at least one less than the ring's number.
 		// One more cell is subtracted to cover rounding.
-		const double beyond = static_cast<double>(ring - 2) / cells_per_meter_;
-		if (ring > 2 && beyond * beyond >= nearest) {
+		const double min_distance = static_cast<double>(ring - 2) / cells_per_meter_;
+		if (ring > 2 && min_distance * min_distance >= nearest) {
 			// No remaining ring can contain a nearer point.
 			break;
 		}
-		const glm::ivec2 low = glm::max(own - ring, first);
-		const glm::ivec2 high = glm::min(own + ring, last);
+		const glm::ivec2 low = glm::max(center_cell - ring, first);
+		const glm::ivec2 high = glm::min(center_cell + ring, last);
 		for (int y = low.y; y <= high.y; ++y) {
-			if (y == own.y - ring || y == own.y + ring) {
+			if (y == center_cell.y - ring || y == center_cell.y + ring) {
 				nearest = nearest_in_row(position, y, low.x, high.x, nearest);
 				continue;
 			}
-			if (own.x - ring >= first.x) {
-				nearest = nearest_in_row(position, y, own.x - ring, own.x - ring, nearest);
+			if (center_cell.x - ring >= first.x) {
+				nearest = nearest_in_row(position, y, center_cell.x - ring, center_cell.x - ring, nearest);
 			}
-			if (own.x + ring <= last.x) {
-				nearest = nearest_in_row(position, y, own.x + ring, own.x + ring, nearest);
+			if (center_cell.x + ring <= last.x) {
+				nearest = nearest_in_row(position, y, center_cell.x + ring, center_cell.x + ring, nearest);
 			}
 		}
 	}

@@ -237,8 +237,8 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 		if (is_complete()) {
 			return place(workspace_->ground, r_tile, cancel);
 		}
-		if (const Status further = find_further(workspace_->ground, cancel, threads); !further.ok()) {
-			return further;
+		if (const Status next_status = find_further(workspace_->ground, cancel, threads); !next_status.ok()) {
+			return next_status;
 		}
 	}
 }

@@ -119,29 +119,30 @@ Status TileFilter::find_block(std::size_t index, glm::ivec2 block, bool may_repe
 
 Status TileFilter::generate_block(std::size_t index, const Rect &rect, const std::atomic<bool> *cancel,
 		std::shared_ptr<const InstanceBlock> &r_block) {
-	BlockFilter &made = *block_filter_;
+	BlockFilter &block_filter = *block_filter_;
 	LayerSettings settings = *graph_.nodes()[index].layer;
 	const bool has_tiles = fills(settings);
 	const bool normals = has_tiles && follows_normals(settings);
 	// The appearance and the meshes may depend on other layers, and do not matter here.
 	settings.instance_data = {};
 	settings.mesh_rules.clear();
-	made.filter.set(settings, cached_on_, std::numeric_limits<double>::infinity());
-	made.filter.queries_normals_ = normals;
-	Status status = made.filter.sample(rect, cached_on_->surface(), cancel);
+	block_filter.filter.set(settings, cached_on_, std::numeric_limits<double>::infinity());
+	block_filter.filter.queries_normals_ = normals;
+	Status status = block_filter.filter.sample(rect, cached_on_->surface(), cancel);
 	if (status.ok()) {
-		status = made.filter.complete(*cached_on_, made.positions, made.queries, made.ground, cancel);
+		status = block_filter.filter.complete(
+				*cached_on_, block_filter.positions, block_filter.queries, block_filter.ground, cancel);
 	}
 	if (status.ok()) {
-		status = made.filter.filter(made.ground, cancel);
+		status = block_filter.filter.filter(block_filter.ground, cancel);
 	}
 	if (!status.ok()) {
 		return status;
 	}
 	if (index + 1 == size()) {
-		stats_.add(made.filter.sample_stats());
+		stats_.add(block_filter.filter.sample_stats());
 	}
-	const LayerFilter &own = made.filter.own();
+	const LayerFilter &own = block_filter.filter.own();
 	std::vector<glm::dvec2> instances;
 	instances.reserve(own.accepted().size());
 	for (const std::uint32_t point : own.accepted()) {
@@ -150,7 +151,7 @@ Status TileFilter::generate_block(std::size_t index, const Rect &rect, const std
 	std::vector<CachedPoint> points;
 	std::vector<glm::dvec2> sampled;
 	if (has_tiles) {
-		const std::span<const Ground> ground = made.filter.own_ground(made.ground);
+		const std::span<const Ground> ground = block_filter.filter.own_ground(block_filter.ground);
 		points.reserve(own.positions().size());
 		for (std::size_t i = 0; i < own.positions().size(); ++i) {
 			points.push_back({own.positions()[i], own.ids()[i], ground[i], 0, false});

@@ -17,12 +17,12 @@ constexpr double radii = 64.0;
 constexpr double margins = 8.0;
 
 double points_in(const Rect &rect, const LayerGraph &graph) {
-	double most = 0.0;
+	double max_cost = 0.0;
 	for (const LayerGraph::Node &node : graph.nodes()) {
 		const glm::dvec2 sides = rect.size() + 2.0 * node.margin;
-		most = std::max(most, sides.x * sides.y * point_density(node.layer->set));
+		max_cost = std::max(max_cost, sides.x * sides.y * point_density(node.layer->set));
 	}
-	return most;
+	return max_cost;
 }
 
 /// Copies a piece's values to the index of its first point, and frees them.
@@ -155,10 +155,10 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 	found_.clear();
 	found_.resize(count);
 	std::atomic<std::size_t> next = 0;
-	std::atomic<bool> failed = false;
+	std::atomic<bool> has_failed = false;
 	threads.run([&](std::size_t) {
 		std::unique_ptr<Worker> worker;
-		for (std::size_t at = next++; at < count && !failed; at = next++) {
+		for (std::size_t at = next++; at < count && !has_failed; at = next++) {
 			statuses[at] = guarded("tile", static_cast<double>(count), [&] {
 				if (worker == nullptr) {
 					worker = std::make_unique<Worker>(margins_, cache_, instances_);
@@ -167,7 +167,7 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 				}
 				return worker->find(terrain, grid.piece(at), cancel, found_[at]);
 			});
-			failed = failed || !statuses[at].ok();
+			has_failed = has_failed || !statuses[at].ok();
 		}
 	});
 	// Pieces are started in order, so the first failed piece is the one at which a single thread
