@@ -84,12 +84,12 @@ void BiomeMap::find_blocks() {
 
 BiomeSet BiomeMap::biomes_in(const Rect &rect) const {
 	const glm::dvec2 pixels_per_meter = glm::dvec2(size_) / area_.size();
-	const bool whole = !rect.finite() || rect.max.x < rect.min.x || rect.max.y < rect.min.y;
-	const Rect asked = whole ? expanded(area_, 1.0) : rect;
-	const glm::dvec2 from = (asked.min - reach_ - area_.min) * pixels_per_meter;
-	const glm::dvec2 to = (asked.max + reach_ - area_.min) * pixels_per_meter;
-	const bool outside = from.x < 0.0 || from.y < 0.0 || to.x >= size_.x || to.y >= size_.y;
-	const BiomeSet result = outside && edge_ == BiomeEdge::nothing ? biome_bit(no_biome) : 0;
+	const bool is_whole_map = !rect.finite() || rect.max.x < rect.min.x || rect.max.y < rect.min.y;
+	const Rect queried_area = is_whole_map ? expanded(area_, 1.0) : rect;
+	const glm::dvec2 from = (queried_area.min - reach_ - area_.min) * pixels_per_meter;
+	const glm::dvec2 to = (queried_area.max + reach_ - area_.min) * pixels_per_meter;
+	const bool is_outside = from.x < 0.0 || from.y < 0.0 || to.x >= size_.x || to.y >= size_.y;
+	const BiomeSet result = is_outside && edge_ == BiomeEdge::nothing ? biome_bit(no_biome) : 0;
 	const bool none_inside = to.x < 0.0 || to.y < 0.0 || from.x > size_.x || from.y > size_.y;
 	if (none_inside && edge_ == BiomeEdge::nothing) {
 		return result;
@@ -131,17 +131,17 @@ void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
 		r_taps.fill(static_cast<std::uint8_t>(std::countr_zero(nearby_biomes)));
 		return;
 	}
-	glm::dvec2 moved = position;
+	glm::dvec2 bent_position = position;
 	if (borders_.noise > 0.0) {
-		moved += borders_.noise * glm::dvec2(border_offset(position, 0), border_offset(position, 1));
+		bent_position += borders_.noise * glm::dvec2(border_offset(position, 0), border_offset(position, 1));
 	}
 	if (borders_.width <= 0.0) {
 		// All taps have the same position.
-		r_taps.fill(pixel_at(moved));
+		r_taps.fill(pixel_at(bent_position));
 		return;
 	}
 	for (std::size_t tap = 0; tap < biome_taps; ++tap) {
-		r_taps[tap] = pixel_at(moved + borders_.width * biome_tap_offsets[tap]);
+		r_taps[tap] = pixel_at(bent_position + borders_.width * biome_tap_offsets[tap]);
 	}
 }
 
@@ -170,19 +170,20 @@ bool operator==(const BiomeMap &a, const BiomeMap &b) { return a.same_frame(b) &
 bool BiomeMap::block_differs(const BiomeMap &before, const SameValue &same, glm::ivec2 at) const {
 	const std::size_t index =
 			static_cast<std::size_t>(at.y) * static_cast<std::size_t>(block_count().x) + static_cast<std::size_t>(at.x);
-	const BiomeSet now = blocks_[index];
+	const BiomeSet current = blocks_[index];
 	bool differs = false;
-	for (BiomeSet left = before.blocks_[index]; left != 0; left &= left - 1) {
-		differs = differs || (now & ~same[static_cast<std::size_t>(std::countr_zero(left))]) != 0;
+	for (BiomeSet remaining = before.blocks_[index]; remaining != 0; remaining &= remaining - 1) {
+		differs = differs || (current & ~same[static_cast<std::size_t>(std::countr_zero(remaining))]) != 0;
 	}
 	return differs;
 }
 
 /// Returns the smallest rectangle around the pixels of `among` whose value differs.
-BiomeMap::Pixels BiomeMap::edited_pixels(const BiomeMap &before, const SameValue &same, const Pixels &among) const {
+BiomeMap::Pixels BiomeMap::edited_pixels(
+		const BiomeMap &before, const SameValue &same, const Pixels &search_area) const {
 	Pixels found{size_, {0, 0}};
-	for (int y = among.min.y; y < among.max.y; ++y) {
-		for (int x = among.min.x; x < among.max.x; ++x) {
+	for (int y = search_area.min.y; y < search_area.max.y; ++y) {
+		for (int x = search_area.min.x; x < search_area.max.x; ++x) {
 			if ((same[before.pixel(x, y)] & biome_bit(pixel(x, y))) == 0) {
 				found.min = glm::min(found.min, glm::ivec2(x, y));
 				found.max = glm::max(found.max, glm::ivec2(x + 1, y + 1));

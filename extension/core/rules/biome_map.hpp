@@ -129,7 +129,7 @@ private:
 	bool same_frame(const BiomeMap &other) const;
 	bool find_edits(
 			const BiomeMap &before, const SameValue &same, std::vector<Rect> &r_areas, const Planet &planet) const;
-	Pixels edited_pixels(const BiomeMap &before, const SameValue &same, const Pixels &among) const;
+	Pixels edited_pixels(const BiomeMap &before, const SameValue &same, const Pixels &search_area) const;
 	bool block_differs(const BiomeMap &before, const SameValue &same, glm::ivec2 block) const;
 	Rect reached_from(const Pixels &pixels) const;
 	PlanetCap cap_reached_from(double planet_radius, const Pixels &pixels) const;

@@ -55,16 +55,16 @@ void BiomeMap::taps_toward(double planet_radius, const glm::dvec3 &from_center, 
 		return;
 	}
 	const glm::dvec3 position = planet_radius * up;
-	const glm::dvec3 moved = borders_.noise > 0.0 ? position + bend(position) : position;
+	const glm::dvec3 bent_position = borders_.noise > 0.0 ? position + bend(position) : position;
 	if (borders_.width <= 0.0) {
 		// All taps have the same position.
-		r_taps.fill(pixel_toward(moved));
+		r_taps.fill(pixel_toward(bent_position));
 		return;
 	}
 	const TangentAxes axes = tangent_axes(up);
 	for (std::size_t tap = 0; tap < biome_taps; ++tap) {
 		const glm::dvec2 offset = borders_.width * biome_tap_offsets[tap];
-		r_taps[tap] = pixel_toward(moved + offset.x * axes.along + offset.y * axes.across);
+		r_taps[tap] = pixel_toward(bent_position + offset.x * axes.along + offset.y * axes.across);
 	}
 }
 
@@ -94,12 +94,12 @@ BiomeSet BiomeMap::biomes_toward(double planet_radius, const PlanetCap &cap) con
 		// The cap contains a pole, and so all columns.
 		return biomes_in_blocks({{0, first_row}, {size_.x, end_row}});
 	}
-	const double around = (angle_degrees(sine, std::sqrt(squared)) + angle_rounding) / 360.0;
+	const double half_width = (angle_degrees(sine, std::sqrt(squared)) + angle_rounding) / 360.0;
 	const auto column = [this](double part) {
 		return held_index(part * size_.x, size_.x);
 	};
-	const double left = middle.x - around;
-	const double right = middle.x + around;
+	const double left = middle.x - half_width;
+	const double right = middle.x + half_width;
 	BiomeSet result = biomes_in_blocks({{column(left), first_row}, {column(right) + 1, end_row}});
 	if (left < 0.0) {
 		result |= biomes_in_blocks({{column(left + 1.0), first_row}, {size_.x, end_row}});
@@ -118,9 +118,9 @@ PlanetCap BiomeMap::cap_reached_from(double planet_radius, const Pixels &pixels)
 	// From the middle, every pixel is reached by an angle along the meridian and one around the axis.
 	const double radians = 2.0 * std::numbers::pi * (half.x + half.y);
 	const double sine = radians < 1.0 ? radians + reach_on_planet() / planet_radius + 1e-9 : 1.0;
-	const Rotation around = rotation_by(middle.x);
+	const Rotation longitude = rotation_by(middle.x);
 	const Rotation from_pole = rotation_by(middle.y);
-	return {Planet::up({from_pole.sine * around.sine, from_pole.cosine, from_pole.sine * around.cosine}), sine};
+	return {Planet::up({from_pole.sine * longitude.sine, from_pole.cosine, from_pole.sine * longitude.cosine}), sine};
 }
 
 } // namespace thicket

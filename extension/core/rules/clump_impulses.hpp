@@ -43,12 +43,12 @@ inline double clump_impulses(glm::dvec2 position, std::uint64_t seed) {
 			const std::uint64_t bits = split_mix(row_seed + (column + x) * split_mix_gamma);
 			const glm::dvec2 offset(
 					from_corner.x - (x + clump_unit(bits)), from_corner.y - (y + clump_unit(bits >> 16)));
-			const double near =
+			const double nearness =
 					1.0 - (offset.x * offset.x + offset.y * offset.y) * (1.0 / (impulse_reach * impulse_reach));
-			if (near > 0.0) {
+			if (nearness > 0.0) {
 				const double slope =
 						offset.x * clump_either_side(bits >> 48) + offset.y * clump_either_side(split_mix(bits));
-				sum += near * near * near * (clump_either_side(bits >> 32) + slope);
+				sum += nearness * nearness * nearness * (clump_either_side(bits >> 32) + slope);
 			}
 		}
 	}
@@ -74,12 +74,13 @@ inline double clump_impulses(const glm::dvec3 &position, std::uint64_t seed) {
 				const glm::dvec3 offset = from_corner -
 						glm::dvec3(x + clump_unit(bits), y + clump_unit(bits >> 16), z + clump_unit(bits >> 32));
 				const double squared = offset.x * offset.x + offset.y * offset.y + offset.z * offset.z;
-				const double near = 1.0 - squared * (1.0 / (impulse_reach * impulse_reach));
-				if (near > 0.0) {
-					const std::uint64_t more = split_mix(bits);
-					const double slope = offset.x * clump_either_side(more) + offset.y * clump_either_side(more >> 16) +
-							offset.z * clump_either_side(more >> 32);
-					sum += near * near * near * (clump_either_side(bits >> 48) + slope);
+				const double nearness = 1.0 - squared * (1.0 / (impulse_reach * impulse_reach));
+				if (nearness > 0.0) {
+					const std::uint64_t extra_bits = split_mix(bits);
+					const double slope = offset.x * clump_either_side(extra_bits) +
+							offset.y * clump_either_side(extra_bits >> 16) +
+							offset.z * clump_either_side(extra_bits >> 32);
+					sum += nearness * nearness * nearness * (clump_either_side(bits >> 48) + slope);
 				}
 			}
 		}

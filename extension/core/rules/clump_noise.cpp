@@ -40,8 +40,8 @@ static_assert(nearer_in_space.front() == 0.0 && nearer_in_space.back() == 1.0);
 double fraction_below(double noise, const ClumpTable &nearer) {
 	const double knot = std::min(std::abs(noise) * clump_knots_per_unit, static_cast<double>(clump_knots - 1));
 	const std::size_t index = std::min(static_cast<std::size_t>(knot), clump_knots - 2);
-	const double part = knot - static_cast<double>(index);
-	const double fraction = nearer[index] + (nearer[index + 1] - nearer[index]) * part;
+	const double weight = knot - static_cast<double>(index);
+	const double fraction = nearer[index] + (nearer[index + 1] - nearer[index]) * weight;
 	return noise < 0.0 ? 0.5 - 0.5 * fraction : 0.5 + 0.5 * fraction;
 }
 

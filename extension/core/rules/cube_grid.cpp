@@ -34,8 +34,8 @@ constexpr double side_of(int face) { return face % 2 == 0 ? 1.0 : -1.0; }
 } // namespace
 
 CubeGrid::CubeGrid(double planet_radius, double pixel_size) {
-	const double half = std::numbers::pi / 4.0 * planet_radius / pixel_size; // Half of a face, in pixels.
-	count_ = 2 * static_cast<int>(std::clamp(std::floor(half), 0.0, 0.5 * (max_count - 1))) + 1;
+	const double half_face = std::numbers::pi / 4.0 * planet_radius / pixel_size; // Half of a face, in pixels.
+	count_ = 2 * static_cast<int>(std::clamp(std::floor(half_face), 0.0, 0.5 * (max_count - 1))) + 1;
 }
 
 CubeGrid::Place CubeGrid::at(const glm::dvec3 &from_center) const {

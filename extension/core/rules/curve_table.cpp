@@ -48,12 +48,12 @@ double CurveTable::at(double x) const {
 	}
 	// If max - min would overflow, all terms are halved.
 	const double scale = std::isfinite(max_ - min_) ? 1.0 : 0.5;
-	const double part = (x * scale - min_ * scale) / (max_ * scale - min_ * scale);
-	const double along = part * static_cast<double>(samples_.size() - 1);
-	const std::size_t index = std::min(static_cast<std::size_t>(along), samples_.size() - 2);
+	const double fraction = (x * scale - min_ * scale) / (max_ * scale - min_ * scale);
+	const double sample_position = fraction * static_cast<double>(samples_.size() - 1);
+	const std::size_t index = std::min(static_cast<std::size_t>(sample_position), samples_.size() - 2);
 	const double first = samples_[index];
 	const double second = samples_[index + 1];
-	const double value = first + (second - first) * (along - static_cast<double>(index));
+	const double value = first + (second - first) * (sample_position - static_cast<double>(index));
 	// Rounding may overshoot the samples by one ulp.
 	return std::clamp(value, std::min(first, second), std::max(first, second));
 }

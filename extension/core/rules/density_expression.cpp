@@ -15,8 +15,8 @@ double smoothstep(double from, double to, double value) {
 	if (from == to) {
 		return value < from ? 0.0 : 1.0;
 	}
-	const double part = std::clamp((value - from) / (to - from), 0.0, 1.0);
-	return part * part * (3.0 - 2.0 * part);
+	const double fraction = std::clamp((value - from) / (to - from), 0.0, 1.0);
+	return fraction * fraction * (3.0 - 2.0 * fraction);
 }
 
 } // namespace

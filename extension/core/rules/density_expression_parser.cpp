@@ -272,12 +272,12 @@ private:
 			++at_;
 			const bool is_negative = at_ < text_.size() && text_[at_] == '-';
 			at_ += is_negative || (at_ < text_.size() && text_[at_] == '+') ? 1 : 0;
-			int written = 0;
+			int written_exponent = 0;
 			has_digit = has_digit && at_ < text_.size() && is_digit(text_[at_]);
 			for (; at_ < text_.size() && is_digit(text_[at_]); ++at_) {
-				written = std::min(written * 10 + (text_[at_] - '0'), 1000);
+				written_exponent = std::min(written_exponent * 10 + (text_[at_] - '0'), 1000);
 			}
-			exponent += is_negative ? -written : written;
+			exponent += is_negative ? -written_exponent : written_exponent;
 		}
 		if (!has_digit || std::abs(exponent) > max_exponent) {
 			return std::nullopt;

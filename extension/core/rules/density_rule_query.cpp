@@ -37,12 +37,12 @@ struct OnGround {
 
 	/// Writes the densities of a rule at all positions to `r_densities`.
 	Status evaluate(const DensityRule &rule, std::span<float> r_densities) const {
-		bool closed = false;
-		Status status = rule.find_closed(bounds, closed);
-		if (status.ok() && !closed) {
+		bool is_closed = false;
+		Status status = rule.find_closed(bounds, is_closed);
+		if (status.ok() && !is_closed) {
 			status = rule.sample({positions, normals, slopes, weights}, r_densities);
 		}
-		if (closed || !status.ok()) {
+		if (is_closed || !status.ok()) {
 			std::ranges::fill(r_densities, 0.0f);
 		}
 		for (float &density : r_densities) {

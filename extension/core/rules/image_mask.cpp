@@ -74,12 +74,12 @@ Status ImageMask::sample(std::span<const glm::dvec2> positions, std::span<float>
 
 /// Interpolates at a position in the image; `fraction` is 0 to 1 along both axes.
 inline double ImageMask::interpolate(glm::dvec2 fraction, bool repeat_x, bool repeat_y) const {
-	const Taps across = taps_at(fraction.x * size_.x, size_.x, repeat_x);
-	const Taps along = taps_at(fraction.y * size_.y, size_.y, repeat_y);
-	const std::uint8_t *near = pixels_.data() + along.first * static_cast<std::size_t>(size_.x);
-	const std::uint8_t *far = pixels_.data() + along.second * static_cast<std::size_t>(size_.x);
-	return bilinear(near[across.first], near[across.second], far[across.first], far[across.second], across.part,
-				   along.part) /
+	const Taps taps_x = taps_at(fraction.x * size_.x, size_.x, repeat_x);
+	const Taps taps_y = taps_at(fraction.y * size_.y, size_.y, repeat_y);
+	const std::uint8_t *near_row = pixels_.data() + taps_y.first * static_cast<std::size_t>(size_.x);
+	const std::uint8_t *far_row = pixels_.data() + taps_y.second * static_cast<std::size_t>(size_.x);
+	return bilinear(near_row[taps_x.first], near_row[taps_x.second], far_row[taps_x.first], far_row[taps_x.second],
+				   taps_x.part, taps_y.part) /
 			255.0;
 }
 

@@ -146,8 +146,8 @@ void PaintedMask::replace(Blocks &&blocks) noexcept {
 		auto node = blocks.extract(blocks.begin());
 		if (!node.mapped()) {
 			blocks_.erase(node.key());
-		} else if (const auto known = blocks_.find(node.key()); known != blocks_.end()) {
-			known->second = std::move(node.mapped());
+		} else if (const auto entry = blocks_.find(node.key()); entry != blocks_.end()) {
+			entry->second = std::move(node.mapped());
 		} else {
 			blocks_.insert(std::move(node));
 		}

@@ -79,10 +79,10 @@ public:
 			for (int column = block_of(region.min.x); column <= block_of(region.max.x - 1); ++column) {
 				const glm::ivec2 corner = glm::ivec2(column, row) * block_side;
 				const PixelRect part{glm::max(region.min, corner), glm::min(region.max, corner + block_side)};
-				const Block *const known = mask_.find({row, column});
+				const Block *const existing_block = mask_.find({row, column});
 				Block block;
-				if (known) {
-					block = *known;
+				if (existing_block) {
+					block = *existing_block;
 				} else {
 					block.fill(mask_.background_);
 				}
@@ -105,7 +105,7 @@ private:
 	/// Changes a part of a block. Returns true if the value of any pixel changed.
 	template <typename Change>
 	bool change_part(const PixelRect &part, const Change &change, Block &r_block) {
-		bool any = false;
+		bool has_changed = false;
 		for (int y = part.min.y; y < part.max.y; ++y) {
 			for (int x = part.min.x; x < part.max.x; ++x) {
 				std::uint8_t &r_pixel = r_block[index_in_block(x, y)];
@@ -113,11 +113,11 @@ private:
 				if (value != r_pixel) {
 					r_pixel = value;
 					grow({x, y});
-					any = true;
+					has_changed = true;
 				}
 			}
 		}
-		return any;
+		return has_changed;
 	}
 
 	void grow(glm::ivec2 pixel) {

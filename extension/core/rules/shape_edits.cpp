@@ -26,11 +26,11 @@ void add_areas(const Shape &shape, std::vector<Rect> &r_areas) {
 		return;
 	}
 	const std::size_t length = (lines + max_path_pieces - 1) / max_path_pieces;
-	Shape piece = shape;
+	Shape segment_shape = shape;
 	for (std::size_t first = 0; first < lines; first += length) {
 		const auto from = shape.outline.begin() + static_cast<std::ptrdiff_t>(first);
-		piece.outline.assign(from, from + static_cast<std::ptrdiff_t>(std::min(length, lines - first) + 1));
-		r_areas.push_back(bounds(piece));
+		segment_shape.outline.assign(from, from + static_cast<std::ptrdiff_t>(std::min(length, lines - first) + 1));
+		r_areas.push_back(bounds(segment_shape));
 	}
 }
 

@@ -21,11 +21,11 @@ std::string with_renamed_layer(std::string_view text, std::string_view from, std
 	std::string result;
 	std::size_t copied = 0;
 	for (std::size_t at = text.find(function); at != std::string_view::npos; at = text.find(function, at + 1)) {
-		const std::size_t open = text.find_first_not_of(spaces, at + function.size());
-		if (open == std::string_view::npos || text[open] != '(') {
+		const std::size_t parenthesis = text.find_first_not_of(spaces, at + function.size());
+		if (parenthesis == std::string_view::npos || text[parenthesis] != '(') {
 			continue;
 		}
-		const std::size_t first = text.find_first_not_of(spaces, open + 1);
+		const std::size_t first = text.find_first_not_of(spaces, parenthesis + 1);
 		if (first == std::string_view::npos || (text[first] != '"' && text[first] != '\'')) {
 			continue;
 		}
