@@ -168,7 +168,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	std::ranges::sort(touched);
 	touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
 	for (const std::uint64_t id : touched) {
-		add_difference(id, content_->entry(id), next.content_->entry(id), diff.changes_.instead);
+		add_difference(id, content_->entry(id), next.content_->entry(id), diff.changes_.replacements);
 	}
 	diff.changes_.overruled = std::move(touched);
 

@@ -98,7 +98,7 @@ void ScatterState::report_now(const UnreportedChanges &unreported) {
 			emit_signal(instances_changed_, ids_of_changes(changes.list));
 		} else {
 			// The diff's thread has already listed all other IDs.
-			add_ids(changes.instead, unreported.diff->ids);
+			add_ids(changes.replacements, unreported.diff->ids);
 			emit_signal(instances_changed_, unreported.diff->ids);
 		}
 		emit_changed();
