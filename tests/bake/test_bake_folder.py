@@ -201,7 +201,7 @@ REFUSED_RECT = "rect must be X,Z,WIDTH,DEPTH in meters, with a width and a depth
         (["out=/tmp/made", "rect=0,0,nan,5"], f"{REFUSED_RECT}, got '0,0,nan,5'"),
         (["out=/tmp/made", "tile_size=0.5"], "tile_size must be between 1 and 1000000 meters, got '0.5'"),
         (["out=/tmp/made", *ASKED, "layers=Ferns"], "The scene has no layer 'Ferns'. It has: 0 Trees, 1 Grass"),
-        (["out=/tmp/made", *ASKED, "tiles=0,0 9,0"], "tiles has '9,0', which is not in the rectangle: tiles go from -3,-2 to 1,1"),
+        (["out=/tmp/made", *ASKED, "tiles=0,0 9,0"], "tiles must be from -3,-2 to 1,1, got '9,0'"),
         (["out=/tmp/made", *ASKED, "tiles=0,0 here"], "tiles must be pairs of integers I,J separated by spaces, got 'here'"),
         (["out=/tmp/made", *ASKED, "share=3/2"], "share must be K/N"),
         (["out=/tmp/made", "rect=0,0,1e7,1e7", "tile_size=32"], "97656250000 tiles are more than the maximum of 1000000"),

@@ -125,23 +125,23 @@ def test_time_limits_and_cores_do_not_need_gnu_programs(bare_path):
 @pytest.fixture
 def no_namespaces(tmp_path) -> dict[str, str]:
     """Returns an environment in which bubblewrap fails as in a container without privileges."""
-    folder = tmp_path / "refusing"
+    folder = tmp_path / "failing"
     folder.mkdir()
-    refusing = folder / "bwrap"
-    refusing.write_text("#!/bin/sh\necho 'bwrap: No permissions to create new namespace' >&2\nexit 1\n")
-    refusing.chmod(0o755)
+    failing_bwrap = folder / "bwrap"
+    failing_bwrap.write_text("#!/bin/sh\necho 'bwrap: No permissions to create new namespace' >&2\nexit 1\n")
+    failing_bwrap.chmod(0o755)
     return {"PATH": f"{folder}:{os.environ['PATH']}"}
 
 
-def test_godot_runs_where_bubblewrap_may_not(no_namespaces):
-    """Runs Godot of the Debian root without bubblewrap, with the root's libraries. It must be the same program."""
+def test_godot_runs_without_bubblewrap(no_namespaces):
+    """Checks that tools/godot runs the Debian root's Godot in the same way with and without bubblewrap."""
     if shell("find_native_godot").stdout or not (CACHE / "godot-root/usr/bin/godot").exists():
         pytest.skip("Godot of this machine does not need a Debian root")
     environment = {**os.environ, **no_namespaces}
     for option in ("--version", "--where"):
-        here, there = (run([REPO / "tools/godot", option], timeout=60, env=each) for each in (os.environ, environment))
-        assert there.returncode == 0, there.stderr
-        assert here.stdout == there.stdout
+        sandboxed, direct = (run([REPO / "tools/godot", option], timeout=60, env=each) for each in (os.environ, environment))
+        assert direct.returncode == 0, direct.stderr
+        assert sandboxed.stdout == direct.stdout
     found = shell("setup_display() { :; }; setup_godot", **no_namespaces)
     assert found.returncode == 0, found.stderr
 

@@ -29,7 +29,7 @@ struct Follower {
 	/// Takes all pending changes from the queue. Returns their number.
 	int follow() {
 		int steps = 0;
-		for (HeldRelease leaving; queue.next_leaving(leaving); ++steps) {
+		for (InstanceToRelease leaving; queue.next_leaving(leaving); ++steps) {
 			CHECK(held.erase(leaving.id) == 1);
 		}
 		for (PlacedInstance instance; queue.next_changed(instance); ++steps) {

@@ -65,7 +65,7 @@ TEST_CASE("near queue: a removed instance leaves, and one that is placed differe
 	flat.world.touch();
 	CHECK_FALSE(follower.queue.settled());
 	follower.check({}, flat.world);
-	HeldRelease release;
+	InstanceToRelease release;
 	REQUIRE(follower.queue.next_removed(release));
 	CHECK(release.id == felled);
 	follower.held.erase(felled);
@@ -113,7 +113,7 @@ TEST_CASE("near queue: if very many instances are removed, the nearest leave fir
 		for (int frame = 0; frame < NearQueue::max_waiting_frames && !queue.settled(); ++frame) {
 			check();
 			double last = 0.0;
-			for (HeldRelease leaving; queue.next_removed(leaving); ++released_count) {
+			for (InstanceToRelease leaving; queue.next_removed(leaving); ++released_count) {
 				REQUIRE(held_positions.contains(leaving.id));
 				CHECK(leaving.position == held_positions[leaving.id]);
 				const double center_distance = glm::distance(leaving.position, center);
@@ -244,7 +244,7 @@ TEST_CASE("near queue: a new distance keeps the near instances") {
 		std::size_t entered = 0;
 		for (int frame = 0; frame < 10; ++frame) {
 			follower.check(center, flat.world);
-			for (HeldRelease leaving; follower.queue.next_leaving(leaving);) {
+			for (InstanceToRelease leaving; follower.queue.next_leaving(leaving);) {
 				CHECK(remaining.insert(leaving.id).second);
 			}
 			for (PlacedInstance instance; follower.queue.next_entering(instance); ++entered) {
@@ -284,7 +284,7 @@ TEST_CASE("near queue: setting an unchanged distance leaves its layer unchanged,
 	for (PlacedInstance instance; queue.next_entering(instance);) {
 		CHECK(false);
 	}
-	HeldRelease leaving;
+	InstanceToRelease leaving;
 	for (int frame = 0; frame < 3; ++frame) {
 		queue.find_changes(centers, flat.world);
 		CHECK_FALSE(queue.next_leaving(leaving));

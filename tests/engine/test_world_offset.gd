@@ -321,7 +321,7 @@ func test_nodes_with_different_offsets_share_a_ground() -> void:
 		check_no_error(kind)
 
 
-func test_bodies_move_along() -> void:
+func test_bodies_follow_the_world_offset() -> void:
 	var viewer := make_viewer()
 	var layer := make_rock(4.0)
 	layer.collision_shape = ScatterLayer.COLLISION_CAPSULE
@@ -335,16 +335,16 @@ func test_bodies_move_along() -> void:
 	await frames(5)
 	for frame in 3:
 		await physics_frame
-	var near := scatter.query_nearest(viewer.global_position, 20.0)
-	var at: Vector3 = (near["transform"] as Transform3D).origin
+	var nearest := scatter.query_nearest(viewer.global_position, 20.0)
+	var at: Vector3 = (nearest["transform"] as Transform3D).origin
 	var ray := PhysicsRayQueryParameters3D.create(at + Vector3(0.0, 8.0, 0.0), at - Vector3(0.0, 8.0, 0.0))
 	var hit := scatter.get_world_3d().direct_space_state.intersect_ray(ray)
 	if check(not hit.is_empty(), "a ray hits the nearest instance after a recenter"):
-		check_equal(scatter.get_body_instance(hit["rid"]), near["id"], "the instance that was hit")
+		check_equal(scatter.get_body_instance(hit["rid"]), nearest["id"], "the instance that was hit")
 
 
 func test_the_largest_distance_for_a_radius() -> void:
-	# Base squares with edges of r / sqrt 2 are numbered from -2^23, so a radius of 2 m ends at about 11,863 km.
+	# Base squares with edges of r / sqrt 2 are numbered from -2^23, so a layer with a radius of 2 m extends to about 11,863 km.
 	var edge := 8388608.0 * 2.0 / sqrt(2.0)
 	var viewer := make_viewer()
 	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), viewer)

@@ -27,8 +27,8 @@ public:
 	/// the finest level.
 	int level_for(double area) const;
 
-	/// Returns the linear color and alpha at texture coordinates, which are 0 to 1 over the image
-	/// with v down. The function interpolates between the pixel centers of the level. Coordinates
+	/// Returns the linear color and alpha at texture coordinates from 0 to 1 across the image,
+	/// with v pointing down. The function interpolates between the pixel centers of the level. Coordinates
 	/// that are not finite are treated as 0.
 	glm::vec4 sample(glm::vec2 uv, int level_index) const;
 

@@ -38,15 +38,15 @@ std::string without(std::string_view name, std::size_t from, std::size_t to) {
 
 /// Returns the LOD number of each part. Parts that are drawn in all LODs have none.
 std::vector<std::optional<int>> numbers_of(std::span<const PartRange> parts) {
-	std::set<std::string_view> numbered;
+	std::set<std::string_view> numbered_stems;
 	for (const PartRange &part : parts) {
 		if (part.lod) {
-			numbered.insert(part.stem);
+			numbered_stems.insert(part.stem);
 		}
 	}
 	std::vector<std::optional<int>> numbers;
 	for (const PartRange &part : parts) {
-		const bool finest = !part.lod && numbered.contains(part.stem);
+		const bool finest = !part.lod && numbered_stems.contains(part.stem);
 		numbers.push_back(finest ? 0 : part.lod);
 	}
 	return numbers;

@@ -14,7 +14,7 @@ double squared(glm::dvec3 a, glm::dvec3 b) { return glm::dot(a - b, a - b); }
 
 } // namespace
 
-double squared_to(glm::dvec3 position, std::span<const glm::dvec3> centers) {
+double squared_distance(glm::dvec3 position, std::span<const glm::dvec3> centers) {
 	double nearest = std::numeric_limits<double>::infinity();
 	for (const glm::dvec3 &center : centers) {
 		nearest = std::min(nearest, glm::dot(position - center, position - center));
@@ -22,7 +22,7 @@ double squared_to(glm::dvec3 position, std::span<const glm::dvec3> centers) {
 	return nearest;
 }
 
-double squared_to_cell(const Rect &cell, std::span<const glm::dvec3> centers) {
+double squared_cell_distance(const Rect &cell, std::span<const glm::dvec3> centers) {
 	double nearest = std::numeric_limits<double>::infinity();
 	for (const glm::dvec3 &center : centers) {
 		const glm::dvec2 at{center.x, center.z};
@@ -69,7 +69,7 @@ std::size_t NearCell::check(std::uint32_t layer, const Rect &of, const NearRange
 		return cost;
 	}
 	for (const PlacedInstance &instance : changes_.enter) {
-		entering_distances_squared_.push_back(squared_to(instance.position, centers_));
+		entering_distances_squared_.push_back(squared_distance(instance.position, centers_));
 	}
 	checked_centers_ = centers_;
 	needs_check_ = false;

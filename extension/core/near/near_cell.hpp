@@ -16,7 +16,7 @@ namespace thicket {
 
 /// A held instance that must be released. An instance is held while it has a node or a body near a
 /// center; see `NearQueue`.
-struct HeldRelease {
+struct InstanceToRelease {
 	std::uint32_t layer = 0;
 	std::uint64_t id = 0;
 	/// The position at which the instance is held. If the instance has since moved into another
@@ -36,11 +36,11 @@ struct NearVersion {
 
 /// Returns the squared distance from a position to the nearest center, or infinity if there are no
 /// centers.
-double squared_to(glm::dvec3 position, std::span<const glm::dvec3> centers);
+double squared_distance(glm::dvec3 position, std::span<const glm::dvec3> centers);
 
 /// Returns the squared horizontal distance between a rectangle and the nearest center, or infinity
 /// if there are no centers.
-double squared_to_cell(const Rect &cell, std::span<const glm::dvec3> centers);
+double squared_cell_distance(const Rect &cell, std::span<const glm::dvec3> centers);
 
 /// Returns true if the number of centers is unchanged and each is within `slack` meters of its old
 /// position.

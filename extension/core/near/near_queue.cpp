@@ -150,7 +150,8 @@ void NearQueue::find_outdated(std::uint32_t index) {
 		cell.begin_frame();
 		cell.follow(index, layer.rect(key), *world_, version());
 		const bool outdated = cell.outdated(layer.slack(), version());
-		const double away = outdated || cell.any_change() ? squared_to_cell(layer.rect(key), centers_of(cell)) : 0.0;
+		const double away =
+				outdated || cell.any_change() ? squared_cell_distance(layer.rect(key), centers_of(cell)) : 0.0;
 		if (!outdated && cell.any_change()) {
 			busy_.emplace_back(away, cell.change_count());
 		}
@@ -194,7 +195,7 @@ const Visit *first_of(const std::vector<Visit> &visits, bool (NearCell::*any)() 
 }
 
 template <class Visit>
-bool take_leaving(const Visit *visit, HeldRelease &r_leaving) {
+bool take_leaving(const Visit *visit, InstanceToRelease &r_leaving) {
 	if (visit != nullptr) {
 		const NearRelease leaving = visit->cell->take_leaving();
 		r_leaving = {visit->layer, leaving.id, leaving.position};
@@ -204,11 +205,11 @@ bool take_leaving(const Visit *visit, HeldRelease &r_leaving) {
 
 } // namespace
 
-bool NearQueue::next_removed(HeldRelease &r_leaving) {
+bool NearQueue::next_removed(InstanceToRelease &r_leaving) {
 	return take_leaving(nearest_of(ready_, &NearCell::any_removed, &NearCell::leaving_distance_squared), r_leaving);
 }
 
-bool NearQueue::next_leaving(HeldRelease &r_leaving) {
+bool NearQueue::next_leaving(InstanceToRelease &r_leaving) {
 	return take_leaving(first_of(ready_, &NearCell::any_leaving), r_leaving);
 }
 

@@ -70,11 +70,11 @@ public:
 
 	/// Takes the nearest instance that was removed or whose layer is disabled. Returns false if
 	/// there is none.
-	bool next_removed(HeldRelease &r_leaving);
+	bool next_removed(InstanceToRelease &r_leaving);
 
 	/// Takes an instance that was removed or is too far away. Each cell returns the removed
 	/// instances first, then the farthest ones. Returns false if there is none.
-	bool next_leaving(HeldRelease &r_leaving);
+	bool next_leaving(InstanceToRelease &r_leaving);
 
 	/// Takes a held instance whose position, basis, mesh or layer has changed. The queue then holds
 	/// it in its new state. Returns false if there is none.

@@ -21,7 +21,7 @@ void NearQueue::renew(std::uint32_t layer) {
 	std::erase_if(due_cells_, [layer](const Renewal &renewal) { return renewal.layer == layer; });
 	for (const auto &[key, cell] : layers_[layer].cells) {
 		if (!cell.holds_nothing()) {
-			const double away = squared_to_cell(layers_[layer].rect(key), centers_of(cell));
+			const double away = squared_cell_distance(layers_[layer].rect(key), centers_of(cell));
 			due_cells_.push_back({away, layer, key, false, {}});
 		}
 	}
@@ -45,7 +45,7 @@ bool NearQueue::list_due(Renewal &r_renewal) const {
 	}
 	const std::span<const glm::dvec3> centers = centers_of(found->second);
 	for (const PlacedInstance &instance : found->second.held()) {
-		r_renewal.due.emplace_back(squared_to(instance.position, centers), instance);
+		r_renewal.due.emplace_back(squared_distance(instance.position, centers), instance);
 	}
 	std::ranges::sort(r_renewal.due, std::ranges::greater{},
 			[](const auto &entry) { return std::pair(entry.first, entry.second.id); });
@@ -81,11 +81,11 @@ std::vector<NearHeld> NearQueue::held_within(
 	std::vector<NearHeld> found;
 	for (std::uint32_t index = 0; index < layers_.size(); ++index) {
 		for (const auto &[key, cell] : layers_[index].cells) {
-			if (squared_to_cell(layers_[index].rect(key), positions) > reach * reach) {
+			if (squared_cell_distance(layers_[index].rect(key), positions) > reach * reach) {
 				continue;
 			}
 			cell.for_each_position([&](std::uint64_t id, glm::dvec3 position) {
-				const double away = squared_to(position, positions);
+				const double away = squared_distance(position, positions);
 				if (away <= reach * reach) {
 					found.push_back({away, index, id});
 				}

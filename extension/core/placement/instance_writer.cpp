@@ -61,10 +61,10 @@ void write_instance(const LayerSettings &layer, const PlacedPoints &points, std:
 } // namespace
 
 /// Assigns each part a range of ranks with about the same number of points.
-void InstanceWriter::divide(const PlacedPoints &points, std::size_t parts) {
+void InstanceWriter::divide(const PlacedPoints &points, std::size_t part_count) {
 	constexpr std::uint64_t end_of_ranks = std::uint64_t{1} << 32;
-	parts_.resize(parts);
-	if (parts == 1) {
+	parts_.resize(part_count);
+	if (part_count == 1) {
 		// The only part contains all ranks, so they need not be counted.
 		parts_.front().first_rank = 0;
 		parts_.front().end_rank = end_of_ranks;
@@ -74,21 +74,21 @@ void InstanceWriter::divide(const PlacedPoints &points, std::size_t parts) {
 	for (const std::uint32_t rank : points.thinning_ranks) {
 		++counts[rank >> rank_class_shift];
 	}
-	std::size_t before = 0;
+	std::size_t points_before = 0;
 	std::size_t rank_class = 0;
 	std::uint64_t first_rank = 0;
-	for (std::size_t part = 0; part < parts; ++part) {
-		while (part + 1 < parts && rank_class < rank_classes &&
-				before * parts < (part + 1) * points.thinning_ranks.size()) {
-			before += counts[rank_class++];
+	for (std::size_t part = 0; part < part_count; ++part) {
+		while (part + 1 < part_count && rank_class < rank_classes &&
+				points_before * part_count < (part + 1) * points.thinning_ranks.size()) {
+			points_before += counts[rank_class++];
 		}
-		const std::uint64_t end = part + 1 < parts ? std::uint64_t{rank_class} << rank_class_shift : end_of_ranks;
+		const std::uint64_t end = part + 1 < part_count ? std::uint64_t{rank_class} << rank_class_shift : end_of_ranks;
 		parts_[part].first_rank = std::exchange(first_rank, end);
 		parts_[part].end_rank = end;
 	}
 }
 
-/// Sorts the instances of a part, and assigns each of them a mesh.
+/// Collects the points of a part's ranks, sorts them by rank, and assigns each of them a mesh.
 Status InstanceWriter::sort(
 		const LayerSettings &layer, const PlacedPoints &points, Part &r_part, const std::atomic<bool> *cancel) const {
 	r_part.order.clear();

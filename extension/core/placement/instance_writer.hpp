@@ -94,7 +94,7 @@ private:
 		MeshRules::Scratch mesh_scratch;
 	};
 
-	void divide(const PlacedPoints &points, std::size_t parts);
+	void divide(const PlacedPoints &points, std::size_t part_count);
 	Status sort(const LayerSettings &layer, const PlacedPoints &points, Part &r_part,
 			const std::atomic<bool> *cancel) const;
 	Status choose_by_rules(const PlacedPoints &points, Part &r_part, const std::atomic<bool> *cancel) const;

@@ -41,7 +41,8 @@ double level_unit(const PointSet &set, std::uint32_t level) {
 	return surface_unit(set) * static_cast<double>(1u << level);
 }
 
-glm::dvec3 units_of(const glm::dvec3 &position, double unit) {
+/// Rounds a position in meters to the lattice. `unit` is the distance of lattice positions.
+glm::dvec3 to_lattice(const glm::dvec3 &position, double unit) {
 	const glm::dvec3 units = position / unit + 0.5;
 	return {floor_of(units.x), floor_of(units.y), floor_of(units.z)};
 }
@@ -52,17 +53,18 @@ glm::ivec3 cell_of(const glm::dvec3 &units) {
 
 /// Returns the cells that contain a box whose corners are rounded to units.
 CellBox cells_around(const Box3 &box, double unit) {
-	return {cell_of(units_of(box.min, unit)), cell_of(units_of(box.max, unit)) + 1};
+	return {cell_of(to_lattice(box.min, unit)), cell_of(to_lattice(box.max, unit)) + 1};
 }
 
-/// Returns the box of cells in meters, extended by more than rounding can move a triangle's corner.
+/// Returns the box of cells in meters, extended by one unit on each side, so that rounding
+/// moves no vertex out of it.
 Box3 world_box(const CellBox &cells, double unit) {
 	const double width = unit * surface_cell_size;
 	return {glm::dvec3(cells.min) * width - unit, glm::dvec3(cells.max) * width + unit};
 }
 
-/// Returns the cells of the next coarser level that contain all points within the finer level's
-/// radius of `cells`.
+/// Returns the cells of the next coarser level that cover `cells` and a margin of the finer level's radius
+/// around them.
 CellBox coarse_cells_around(const CellBox &cells) {
 	return {(cells.min - surface_reach) >> 1, ((cells.max + surface_reach - 1) >> 1) + 1};
 }
@@ -346,7 +348,7 @@ bool SurfaceSampler::Workspace::race(const Call &call, std::uint32_t level_index
 		}
 		std::array<glm::dvec3, 3> corners = call.surface.triangle(index);
 		for (glm::dvec3 &corner : corners) {
-			corner = units_of(corner, unit) - origin;
+			corner = to_lattice(corner, unit) - origin;
 		}
 		if (const auto triangle = SurfaceTriangle::of(corners, index)) {
 			level.triangles.push_back(*triangle);

@@ -23,13 +23,13 @@ bool DrawnLayers::set(std::span<const SharedSnapshot> layers) {
 }
 
 std::uint32_t DrawnLayers::index_of(std::uint64_t owner, std::uint32_t index) const {
-	const auto belongs = [owner](const SharedSnapshot &layer) {
+	const auto is_owner = [owner](const SharedSnapshot &layer) {
 		return layer != nullptr && layer->links.identity == owner;
 	};
-	if (index < layers_.size() && belongs(layers_[index])) {
+	if (index < layers_.size() && is_owner(layers_[index])) {
 		return index;
 	}
-	return static_cast<std::uint32_t>(std::ranges::find_if(layers_, belongs) - layers_.begin());
+	return static_cast<std::uint32_t>(std::ranges::find_if(layers_, is_owner) - layers_.begin());
 }
 
 } // namespace thicket

@@ -105,7 +105,7 @@ bool CollisionRing::step() {
 		return true;
 	}
 	// Nothing collides with removed bodies, so they have the lowest priority.
-	const bool any_tidied = tidy_some();
+	const bool any_tidied = tidy_pool();
 	return shapes_.free_some() || any_tidied;
 }
 
@@ -113,7 +113,7 @@ bool CollisionRing::step() {
 /// Bodies that are merely out of range can wait.
 bool CollisionRing::remove_some() {
 	int count = 0;
-	HeldRelease release;
+	InstanceToRelease release;
 	for (; count < max_per_step && queue_.next_removed(release); ++count) {
 		remove_released(release);
 	}
@@ -240,7 +240,7 @@ void CollisionRing::remove_body(std::uint32_t layer, std::uint64_t id) {
 
 /// Removes the body of an instance, unless the queue has since found the instance in another cell.
 /// The instance then has a new body at another position.
-void CollisionRing::remove_released(const HeldRelease &release) {
+void CollisionRing::remove_released(const InstanceToRelease &release) {
 	const auto &bodies = layers_[release.layer].bodies;
 	const auto entry = bodies.find(release.id);
 	if (entry != bodies.end() && entry->second.instance.position == release.position) {
@@ -339,7 +339,7 @@ void CollisionRing::find_nearest(std::span<const glm::dvec3> positions) {
 
 RID CollisionRing::take_body() {
 	if (pool_.size() > in_space_count_ && is_reusable(pool_.front())) {
-		// Reuse the body that was removed the longest time ago.
+		// Reuse the body that was removed first.
 		const RID body = pool_.front().rid;
 		pool_.pop_front();
 		return body;
@@ -351,9 +351,9 @@ RID CollisionRing::take_body() {
 	return body;
 }
 
-/// Takes bodies that were removed in earlier frames out of the space and frees those that exceed
-/// the pool's size.
-bool CollisionRing::tidy_some() {
+/// Removes bodies from the physics space that were put into the pool in earlier frames, and frees those that
+/// exceed the pool's size. Returns true if it did any work.
+bool CollisionRing::tidy_pool() {
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
 	int count = 0;
 	for (; count < max_per_step && in_space_count_ > 0; ++count, --in_space_count_) {

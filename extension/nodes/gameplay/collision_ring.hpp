@@ -125,7 +125,7 @@ private:
 
 	void create_body(const PlacedInstance &instance);
 	void remove_body(std::uint32_t layer, std::uint64_t id);
-	void remove_released(const HeldRelease &release);
+	void remove_released(const InstanceToRelease &release);
 	bool remove_some();
 	bool renew_some();
 	bool move_some();
@@ -136,7 +136,7 @@ private:
 	void place(Body &r_body);
 	godot::RID take_body();
 	bool is_reusable(const PooledBody &body) const { return body.removed_frame + rest_frames <= frame_; }
-	bool tidy_some();
+	bool tidy_pool();
 
 	godot::RID space_;
 	std::uint64_t node_id_ = 0;

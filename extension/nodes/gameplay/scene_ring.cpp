@@ -70,7 +70,7 @@ bool SceneRing::step() {
 		move(instance); // The mesh stays hidden during the move.
 		return true;
 	}
-	for (HeldRelease release; queue_.next_leaving(release);) {
+	for (InstanceToRelease release; queue_.next_leaving(release);) {
 		if (remove_scene(release)) {
 			return true;
 		}
@@ -98,7 +98,7 @@ bool SceneRing::remove_outdated_scene() {
 
 /// Removes the scene of one removed instance. Returns false if there is none.
 bool SceneRing::remove_scene_of_removed() {
-	for (HeldRelease release; queue_.next_removed(release);) {
+	for (InstanceToRelease release; queue_.next_removed(release);) {
 		if (remove_scene(release)) {
 			return true;
 		}
@@ -108,7 +108,7 @@ bool SceneRing::remove_scene_of_removed() {
 
 /// Removes the scene of an instance, unless the queue has since found the instance in another cell.
 /// The instance then keeps its scene at the new position.
-bool SceneRing::remove_scene(const HeldRelease &release) {
+bool SceneRing::remove_scene(const InstanceToRelease &release) {
 	const auto entry = displayed_scenes_.find({release.id, release.layer});
 	return entry != displayed_scenes_.end() && entry->second.instance.position == release.position &&
 			remove_scene(Key{release.id, release.layer});

@@ -134,7 +134,7 @@ private:
 	void update_distances();
 	void move(const PlacedInstance &instance);
 	bool remove_scene(const Key &key);
-	bool remove_scene(const HeldRelease &release);
+	bool remove_scene(const InstanceToRelease &release);
 	bool remove_scene_of_removed();
 	bool remove_outdated_scene();
 	void add_scene(const PlacedInstance &instance);

@@ -144,7 +144,7 @@ func test_layers() -> void:
 		for property in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
 			if property is SpacingEditor:
 				property._set_distance(0.75, "Trees", false))
-	await step("A layer from a file", panel._on_file.bind(FERN))
+	await step("A layer from a file", panel._on_file_chosen.bind(FERN))
 	check(scatter.layers.any(func(each: Resource) -> bool: return each.resource_path == FERN), "the file is among the layers")
 	await step("Meshes for a layer in a file", func() -> void: MeshDrop.add(layer("Lichen"), [SphereMesh.new()] as Array[Resource], panel._files, manager))
 	await select(scatter)

@@ -29,8 +29,8 @@ _verified: dict[Path, tuple] = {}
 
 
 def check(tile: Tile) -> None:
-    """Raises BakeError if the digest of a tile's file differs from the manifest. Each process checks a file once. It
-    re-checks the file if the file has changed since, or had changed shortly before the check, and always in object stores. `sha256` in the manifest
+    """Raises BakeError if the digest of a tile's file differs from the manifest. Each process checks a
+    local file again only if it has changed, or if it was modified shortly before the last check. Files in object stores are checked every time. `sha256` in the manifest
     is the digest of the file's bytes. Older manifests have only `digest`, which requires reading every row."""
     try:
         if not is_local(tile.file):

@@ -93,17 +93,18 @@ func _describe(scatter: TerrainScatter3D, scene: String) -> bool:
 	var last := _description.grid.tiles.end - Vector2i.ONE
 	for tile in _tiles:
 		if tile[0] < first.x or tile[0] > last.x or tile[1] < first.y or tile[1] > last.y:
-			problem = "tiles has '%d,%d', which is not in the rectangle: tiles go from %d,%d to %d,%d. Change tiles or rect." % [
-				tile[0], tile[1], first.x, first.y, last.x, last.y]
+			problem = "tiles must be from %d,%d to %d,%d, got '%d,%d'. Change tiles or rect." % [
+				first.x, first.y, last.x, last.y, tile[0], tile[1]]
 	return problem.is_empty()
 
 
 ## Returns a value as it would be after it was written to a JSON file and read back.
-static func _as_json(value: Variant) -> Variant:
+static func _json_round_trip(value: Variant) -> Variant:
 	return JSON.parse_string(JSON.stringify(value, "", false, true))
 
 
-## Returns true if the folder is new, belongs to the same bake, or has a description that cannot be read and is replaced. Otherwise, returns false
+## Returns true if the folder is new, belongs to the same bake, or has a description that cannot be read. [method _begin] replaces
+## such a description. Otherwise, returns false
 ## and sets [member problem].
 func _can_continue() -> bool:
 	var path := _out_folder.path_join(WORLD)
@@ -112,7 +113,7 @@ func _can_continue() -> bool:
 	var stored := _parsed(FileAccess.get_file_as_bytes(path))
 	if not stored.has_all(FIXED_KEYS.keys()):
 		return true
-	var current: Dictionary = _as_json(_world)
+	var current: Dictionary = _json_round_trip(_world)
 	for world: Dictionary in [stored, current]:
 		world["layers"] = _indices(world["layers"])
 	for key in FIXED_KEYS:
@@ -189,7 +190,7 @@ func _is_whole(path: String, header: Dictionary) -> bool:
 	if file == null or file.get_length() < 4:
 		return false
 	var header_in_file := _parsed(file.get_buffer(mini(file.get_32(), message(header).size())))
-	var expected: Dictionary = _as_json(header)
+	var expected: Dictionary = _json_round_trip(header)
 	expected.sha256 = header_in_file.get("sha256", "")
 	var hashing := HashingContext.new()
 	hashing.start(HashingContext.HASH_SHA256)

@@ -60,8 +60,8 @@ func _is_painting() -> bool:
 	return false
 
 
-## Begins a stroke at a position on the ground, which is not finite if there is no ground. Returns an empty string on
-## success, or the reason for a failure.
+## Begins a stroke at a point on the ground. The point is not finite if there is no ground below the cursor. Returns
+## an empty string on success, or the reason for a failure.
 func _begin_stroke(_point: Vector3, _click: InputEventMouseButton) -> String:
 	return ""
 

@@ -98,15 +98,15 @@ func _apply_marks() -> void:
 ## Called for every added node. If a scatter is added to a scene that is already open, it was pasted, duplicated or created.
 func _on_node_added(node: Node) -> void:
 	if not node is TerrainScatter3D:
-		_warn_of_dropped_scene(node)
+		_warn_about_dropped_scene(node)
 		return
 	marks.apply(node as TerrainScatter3D)
 	if _is_in_open_scene(node):
 		_new_scatters.append(node as TerrainScatter3D)
 
 
-## Shows a toast if a scene was dropped on the scatter's node. The editor adds such a scene as a child, but the user most likely wants a layer.
-func _warn_of_dropped_scene(node: Node) -> void:
+## Shows a toast if a scene was dropped on a scatter. The editor adds such a scene as a child, but the user most likely wants a layer.
+func _warn_about_dropped_scene(node: Node) -> void:
 	if node.get_parent() is TerrainScatter3D and not node.scene_file_path.is_empty() and _is_in_open_scene(node):
 		EditorInterface.get_editor_toaster().push_toast(
 				"%s is now a child of %s. To scatter it, undo and drop its file onto the list in the Scatter panel." % [node.name, node.get_parent().name],

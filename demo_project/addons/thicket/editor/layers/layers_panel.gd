@@ -303,9 +303,9 @@ func _on_renamed(layer: ScatterLayer, text: String) -> void:
 func _on_add(id: int) -> void:
 	match id:
 		Add.MESHES:
-			EditorInterface.popup_quick_open(_on_file, MESH_CLASSES)
+			EditorInterface.popup_quick_open(_on_file_chosen, MESH_CLASSES)
 		Add.LAYERS:
-			EditorInterface.popup_quick_open(_on_file, LAYER_CLASSES)
+			EditorInterface.popup_quick_open(_on_file_chosen, LAYER_CLASSES)
 		Add.EMPTY:
 			var layer := ScatterLayer.new()
 			layer.resource_name = Copies.free_name("Layer", Copies.names(_scatter.layers))
@@ -315,7 +315,7 @@ func _on_add(id: int) -> void:
 			refresh()
 
 
-func _on_file(path: String) -> void:
+func _on_file_chosen(path: String) -> void:
 	var resource := load(path) as Resource if not path.is_empty() else null
 	if resource != null:
 		add([resource] as Array[Resource])
