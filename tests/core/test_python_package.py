@@ -377,7 +377,7 @@ def test_other_threads_run_during_a_call(poissontiles, work):
     end.set()
     ticker.join()
     middle = [each for each in ticks if start + 0.1 * took < each < start + 0.9 * took]
-    assert took > 0.2 and len(middle) > 20
+    assert len(middle) > 20, f"{len(middle)} ticks in a call of {took} s"
 
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)

@@ -132,7 +132,7 @@ def figure5(measured: Tables, pictures: str, has_sets: bool) -> str:
                 sequential adsorption jams. Domains are tori and windows onto the infinite set, so borders have no
                 effect:"""
             ),
-            table(["", "sets", "points", "coverage and standard error", "z", "\|z\| < 4"], coverage),
+            table(["", "sets", "points", "coverage and standard error", "z", "\\|z\\| < 4"], coverage),
         ]
     )
 
