@@ -88,9 +88,9 @@ class DensityMap:
                 raise ValueError(f"{name} must be {allowed[0]!r} or {allowed[1]!r}, got {value!r}")
         if array.dtype.kind == "u":
             array = array / np.iinfo(array.dtype).max
-        wrong = ~((array >= 0) & (array <= 1))
-        if wrong.any():
-            raise ValueError(f"values must be between 0 and 1, got {array[wrong][0]}")
+        invalid = ~((array >= 0) & (array <= 1))
+        if invalid.any():
+            raise ValueError(f"values must be between 0 and 1, got {array[invalid][0]}")
         self._corner = np.array(numbers("rect", rect, RECT)[:2])
         self._size = np.array(numbers("rect", rect, RECT)[2:]) - self._corner
         if not (np.isfinite(self._size).all() and (self._size > 0).all()):

@@ -73,6 +73,7 @@ def text(name: str, value: str) -> str:
 
 
 def checked_callbacks(progress: ProgressFunction | None, cancel: _core.Cancel | None) -> tuple[ProgressFunction | None, _core.Cancel | None]:
+    """Checks the types of `progress` and `cancel`, and returns both."""
     if progress is not None and not callable(progress):
         raise TypeError(f"progress must be callable or None, got {progress!r}")
     if cancel is not None and not isinstance(cancel, _core.Cancel):

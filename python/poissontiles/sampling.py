@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from .areas import Area
-from .arguments import RECT, Numbers, ProgressFunction, Seed, disks, integer, number, numbers, period_cells, seed_of, text, triples, checked_callbacks
+from .arguments import RECT, Numbers, ProgressFunction, Seed, checked_callbacks, disks, integer, number, numbers, period_cells, seed_of, text, triples
 from .points import Points, SurfacePoints
 
 Method: TypeAlias = Literal["naive", "hierarchical", "accumulator", "wavefront", "tiles"]

@@ -68,7 +68,7 @@ def changed_part(previous, frame):
 def webp(frames, quality):
     """Returns an animated WebP file. A frame contains only the part that differs from the previous frame. WebP's own encoder
     also keeps parts that are merely similar, which leaves spots in skies and in water."""
-    stored_frames = []  # Of each stored frame: its box, its data, and how often it is repeated.
+    stored_frames = []  # Each entry: the box of a frame, its data, and how often it is repeated.
     previous = None
     for frame in frames:
         box = changed_part(previous, frame) if previous else (0, 0, *frame.size)

@@ -13,7 +13,7 @@ def write(folder, path):
     """Packs all files of a folder, sorted by name, into a zip. Returns its path."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file:
-        for source in sorted(path_ for path_ in folder.rglob("*") if path_.is_file()):
+        for source in sorted(entry for entry in folder.rglob("*") if entry.is_file()):
             info = zipfile.ZipInfo(source.relative_to(folder).as_posix(), TIME)
             info.compress_type = zipfile.ZIP_DEFLATED
             info.create_system = 3  # Unix, so that unzip restores file modes.

@@ -50,7 +50,7 @@ def problem(env):
     """Returns a message that explains why these options are invalid, or None if they are valid."""
     platform, arch = env["platform"], env["arch"]
     if platform not in PLATFORMS:
-        return "platform must be one of %s, got %s" % (platform, ", ".join(PLATFORMS))
+        return "platform must be one of %s, got %s" % (", ".join(PLATFORMS), platform)
     known = PLATFORMS[platform].archs
     if arch not in known:
         return "arch=%s is not one of %s, the architectures of platform=%s" % (arch, ", ".join(known), platform)
